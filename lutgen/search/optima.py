@@ -1,4 +1,4 @@
-"""The best geometry of a robot for a gravity direction, and how far each parameter may be off.
+"""The best geometry of a robot for a gravity direction.
 
 A search sees the parameters in the units that people read; what it reports is in rad or length.
 """
@@ -11,48 +11,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
-from lutgen.bracket import halve
 from lutgen.channels import checked_directions
 from lutgen.errors import InputError
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
 from lutgen.search import methods
-from lutgen.search.methods import LEVELS, Cost, Floats, Step
+from lutgen.search.methods import LEVELS, Floats, Step, acceptable_range, half_widths
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
-# Steps of the walk across the bounds to the end of what is acceptable; a violation narrower than
-# one may be stepped over.  The last one is halved: the end is known to 1e-13 of the bounds.
-STEPS, HALVINGS = 256, 36
 
 
 @dataclass(frozen=True)
 class Optimum:
     """What a search found; parameters in rad or the recipe's length unit.
 
-    Attributes
-    ----------
-    params : (k,) float64
-        The best geometry seen in the whole search.
-    value : float
-        The objective there: the channel's value (tip_angle in rad), or the cost of a weighted sum;
-        NaN where the robot tips.
-    standing : bool
-        Whether the robot stands there.  If not, none of the geometries tried stands, and this is
-        the one closest to standing.
-    evaluations : int
-        Geometries evaluated by the method.
-    trace : tuple of Step
-        The steps of the method; the last one is where the method itself ends, which for `search`
-        may be worse than the best it has seen.
-    acceptable : (k, 2) float64
-        Largest interval of each parameter, the others kept, in which the robot stands and the
-        objective stays within the limit; NaN where the optimum itself does not.
-    delta : (k,) float64
-        The paper's +-delta: params +- delta is acceptable as far as the bounds go.
-    method, objective, convention : str
-        What was asked.
+    `params` (k,) is the best geometry seen in the whole search, and `value` the objective there:
+    the channel's value, or the cost of a weighted sum; NaN where the robot tips.  If it is not
+    `standing`, none of the geometries tried stands, and this is the one closest to standing.
+    `evaluations` counts geometries.  `trace` are the steps of the method; the last one is where the
+    method itself ends, which for `search` may be worse than the best it has seen.  `acceptable`
+    (k, 2) is the largest interval of each parameter, the others kept, in which the robot stands and
+    the objective stays within the limit; NaN where the optimum itself does not.  `delta` (k,) is
+    the paper's: params +- delta is acceptable as far as the bounds go.
     """
 
     params: Floats
@@ -131,10 +113,8 @@ def optimum(
     """
     _check(method, ends, levels)
     goal = Objective(recipe, gravity_dir, objective, convention)
-    space = _space(recipe, bounds)
+    space = _space(recipe, bounds, method)
     begin = space.points(_start(recipe, start, space)[None, :])[0]
-    if method == "search":
-        _check_mesh(recipe, space)
 
     def cost(points: Floats) -> Floats:
         return goal.cost(space.params(points))
@@ -167,49 +147,6 @@ def optimum(
     )
 
 
-def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> Floats:
-    """Return the largest interval of each parameter in which the cost stays within a limit.
-
-    (k, 2), NaN throughout where the geometry `best` (k,) itself exceeds the limit.  While one
-    parameter varies the others keep its values; intervals end at the `bounds` (k, 2) at the latest.
-
-    Examples
-    --------
-    >>> bowl = lambda x: (x**2).sum(axis=1)
-    >>> acceptable_range(bowl, np.zeros(2), np.array([[-3.0, 3.0], [-1.0, 3.0]]), 4.0).round(9)
-    array([[-2.,  2.],
-           [-1.,  2.]])
-    """
-    result = np.full((len(best), 2), np.nan)
-    if not cost(best[None, :])[0] <= limit:
-        return result
-    for axis, side in np.ndindex(result.shape):
-
-        def exceeds(values: Floats, axis: int = axis) -> NDArray[np.bool_]:
-            rows = np.tile(best, (len(values), 1))
-            rows[:, axis] = values
-            return ~(cost(rows) <= limit)
-
-        line = np.linspace(best[axis], bounds[axis, side], STEPS + 1)
-        bad = np.flatnonzero(exceeds(line[1:]))
-        result[axis, side] = bounds[axis, side]
-        if bad.size:
-            ends = line[bad[:1]], line[bad[:1] + 1]
-            result[axis, side] = halve(exceeds, *ends, HALVINGS)[0][0]
-    return result
-
-
-def half_widths(found: Floats, best: Floats, bounds: Floats) -> Floats:
-    """Return (k,) the paper's delta: best +- delta is acceptable as far as the bounds go.
-
-    A side that reaches its bound does not limit delta.
-    """
-    left, right = best - found[:, 0], found[:, 1] - best
-    free_left, free_right = found[:, 0] <= bounds[:, 0], found[:, 1] >= bounds[:, 1]
-    delta = np.where(free_left, right, np.where(free_right, left, np.minimum(left, right)))
-    return np.where(free_left & free_right, np.maximum(left, right), delta)
-
-
 def searched_each(
     recipe: Recipe,
     gravity_dir: ArrayLike,
@@ -227,8 +164,7 @@ def searched_each(
     """
     _check("search", ends, levels)
     down = np.array([checked_directions(one)[0] for one in np.asarray(gravity_dir)])
-    space = _space(recipe, bounds)
-    _check_mesh(recipe, space)
+    space = _space(recipe, bounds, "search")
     params, costs, evaluations = np.empty((len(down), len(space.kept))), np.empty(len(down)), 0
     at_once = max(1, AT_ONCE // methods.NODES ** len(space.box))
     for begin in range(0, len(down), at_once):
@@ -257,16 +193,6 @@ def _check(method: str, ends: str, levels: int) -> None:
     if levels < 1:
         raise InputError(f"a search needs at least one level (got {levels})")
     check(levels, MOST_LEVELS, "the levels of a search", "use fewer, 6 by default")
-
-
-def _check_mesh(recipe: Recipe, space: "_Space") -> None:
-    """Refuse more free parameters than a mesh of 5 nodes a side can have."""
-    if len(space.box) > SEARCHED.most:
-        raise InputError(
-            f"{recipe.source}: the method search takes at most {SEARCHED.most} parameters (got "
-            f"{len(space.box)}, or 5^{len(space.box)} nodes a step); use multistart, or keep some "
-            "parameters by equal bounds"
-        )
 
 
 @dataclass(frozen=True)
@@ -298,7 +224,7 @@ class _Space:
         return np.asarray(params[:, self.free] / self.factor)
 
 
-def _space(recipe: Recipe, bounds: ArrayLike | None) -> _Space:
+def _space(recipe: Recipe, bounds: ArrayLike | None, method: str) -> _Space:
     """Return the space of a search within bounds (k, 2), rad or length; refuse what is none."""
     count = len(recipe.parameters)
     ranges = [[p.minimum, p.maximum] for p in recipe.parameters]
@@ -320,9 +246,14 @@ def _space(recipe: Recipe, bounds: ArrayLike | None) -> _Space:
             f"{recipe.source}: the robot has no geometry parameter to search (got "
             f"{len(box)}, all kept); leave at least one free"
         )
-    factor = np.array(
-        [np.pi / 180.0 if p.display_unit == "deg" else 1.0 for p in recipe.parameters]
-    )[free]
+    most, searched = SEARCHED.most, int(free.sum())
+    if method == "search" and searched > most:
+        raise InputError(
+            f"{recipe.source}: the method search takes at most {most} parameters (got {searched}, "
+            f"or 5^{searched} nodes a step); use multistart, or keep some by equal bounds"
+        )
+    units = [np.pi / 180.0 if p.display_unit == "deg" else 1.0 for p in recipe.parameters]
+    factor = np.array(units)[free]
     return _Space(box[free] / factor[:, None], factor, free, box)
 
 

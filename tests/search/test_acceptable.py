@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.search.optima import STEPS, acceptable_range, half_widths
+from lutgen.search.methods import STEPS, acceptable_range, half_widths
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
