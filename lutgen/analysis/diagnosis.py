@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.forces import heuristic_forces, load_corners, smallest_load
-from lutgen.analysis.stance import Facet, Posture
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import (
     MU,
     PHI,

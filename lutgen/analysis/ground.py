@@ -1,7 +1,6 @@
 """The ground under a robot: what an accelerometer says about body and ground.
 
-It has T_g as a matrix and the ground's plane in the body frame; `lutgen.channels.resting` explains
-the conventions.
+`lutgen.channels.resting` explains the conventions.
 """
 
 import math
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import turned
 from lutgen.chart import gravity_from_up, unit_directions
 from lutgen.errors import InputError

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.ground_seat import SAME, Edge, Piece, Seat, seat_on
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.ground_seat import SAME, Edge, Seat, least_tilt, seat_on
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
 from lutgen.recipe import Recipe
@@ -28,6 +28,30 @@ ON = 1e-9
 ROUNDING = 1e-12
 # At which edge the limit is, over which edge the robot goes, and whether it rolls there.
 Leaving = tuple[Edge, Edge, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Headings from `begin` to `end` (rad) in which the robot tips over one edge of a rest.
+
+    It tips over `over` at the tilt at which gravity reaches `limit`: the same edge, or the one that
+    it rolled over if it does not stay on the rest beyond.
+    """
+
+    begin: float
+    end: float
+    limit: Edge
+    over: Edge
+
+    def lowest(self) -> tuple[float, float]:
+        """Return the least limit (rad) and its heading (rad)."""
+        steepest = self.limit.steepest
+        turns = np.array([-2.0, 0.0, 2.0]) * math.pi
+        inside = [steepest + turn for turn in turns if self.begin < steepest + turn < self.end]
+        places = np.array([*inside, self.begin, self.end])
+        tilts = self.limit.tilt(places)
+        at = int(tilts.argmin())
+        return max(float(tilts[at]), 0.0), float(places[at])
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +159,7 @@ def ground_tilt(posture: Posture) -> GroundTilt:
         # No rest carries it on level ground, where gravity pierces another one by chance.
         return GroundTilt(posture, (), 0.0)
     if posture.recipe.loaded:
-        pieces = [Piece(*ends, edge, edge) for edge in seat.edges for ends in edge.ahead]
+        pieces = [Piece(-math.pi, math.pi, edge, edge) for edge in seat.edges]
         return GroundTilt(posture, tuple(pieces), math.inf)
     starts, upright = {seat.group}, _facet_under(posture, np.array([0.0, 0.0, -1.0]))
     if upright >= 0:
@@ -183,7 +207,8 @@ def _leaves(seat: Seat, line: Edge | None, headings: Floats) -> list[Leaving]:
     found = [(e, e, e.holds(slope)) for e, slope in zip(nearest, slopes, strict=True)]
     if line is not None:
         arrived = np.tan(line.tilt(headings))[:, None] * ahead
-        outside = np.array([edge.outside(arrived) for edge in seat.edges])
+        # How far beyond each edge: the tangent of an angle, roughly.
+        outside = np.array([arrived @ edge.normal - edge.reach for edge in seat.edges])
         for k in np.flatnonzero(outside.max(axis=0) > ON):
             found[k] = line, seat.edges[outside[:, k].argmax()], False
     return found
@@ -212,20 +237,20 @@ def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
     rests = [int(k) for k in np.flatnonzero(seats["is_rest"] == 1)]
     one_each = {int(seats[k]["group"]): k for k in rests}
     edges = {group: seat_on(posture, k, frame).edges for group, k in one_each.items()}
-    free = {group: min(edge.least_free for edge in of) for group, of in edges.items()}
+    least = {group: min(edge.least_free for edge in of) for group, of in edges.items()}
+    found = [least[group] for group in starts]
     rolls = [
-        (here, int(seats[edge.beyond]["group"]), edge.least_held)
+        (here, int(seats[edge.beyond]["group"]), least_tilt(*edge.held))
         for here, of in edges.items()
         for edge in of
         if edge.held is not None
     ]
-    least = dict(free)
     # As many rolls as there are rests lead to any of them.
     for _ in one_each:
         for here, there, _slope in rolls:
             least[here] = min(least[here], least[there])
     first = [max(slope, least[there]) for here, there, slope in rolls if here in starts]
-    return min([*(free[group] for group in starts), *first])
+    return min(found + first)
 
 
 def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:

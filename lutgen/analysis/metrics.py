@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.stance import Posture, Stance
+from lutgen.analysis.posture import Posture, Stance
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
 from lutgen.errors import InputError
 from lutgen.vector import Floats

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 import lutgen
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.length import part

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.metrics import axis_force_angle, force_angle
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.chart import unit_directions
 from tests.fixtures.recipes import feet, rigid, rover, without_limits

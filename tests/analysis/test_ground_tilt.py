@@ -8,7 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.analysis.ground_tilt import ground_limits, ground_tilt
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe

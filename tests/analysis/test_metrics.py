@@ -11,7 +11,7 @@ import pytest
 import lutgen
 from lutgen import plot
 from lutgen.analysis.metrics import METRICS, compare_metrics, force_angle
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
 from lutgen.plot.marks import TIPS

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.metrics import compare_metrics
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.sliding import slides_first, slopes
-from lutgen.analysis.stance import Posture
 from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
 from tests.fixtures.pulled import BOX, LEVEL, moving, pull, robot
 from tests.fixtures.recipes import feet, tripod

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilt_limits
 from lutgen.analysis.tilt_table import posture_limits, sweep_limits
 from lutgen.plot import draw_limits

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lutgen
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.wheels import wheel_speeds
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.documents import blocks

@@ -1,11 +1,10 @@
 """One posture of a robot as Python sees it: its support facets and its tip-over axes.
 
-Owns the step from the kernels' flat arrays to objects, for questions about one posture.  Every
-function of this room that asks about one posture takes a `Posture`; those that take many at once
-take a recipe and (m, k) rows of geometry parameters.
+Every function of this room that asks about one posture takes a `Posture`; those that take many at
+once take a recipe and (m, k) rows of geometry parameters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
+from lutgen.recipe import (
+    Postures,
+    Recipe,
+    body_parts,
+    forward,
+    radii_and_kinds,
+    robot_size_of,
+)
 from lutgen.support import (
     ACCEPTED,
     ARCS,
@@ -24,8 +30,13 @@ from lutgen.support import (
     seat_beyond,
     stand,
     support_contact,
+    support_height,
 )
 from lutgen.vector import Floats
+
+# Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
+# spheres that stand for it.
+SLACK = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,3 +215,34 @@ def _facet(region: Region, k: int) -> Facet:
         tuple(seat_beyond(region, e) for e in edges),
         bool(seat["is_rest"]),
     )
+
+
+def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
+    """Return how far links without contacts would reach below the ground, by their name.
+
+    Parameters
+    ----------
+    posture : Posture
+    facet : Facet
+        The facet that is on the ground.
+
+    Returns
+    -------
+    dict of str to float
+        Depth below the facet's plane (the recipe's length unit) of those whose depth is more
+        than 1 % of the robot's size; empty where nothing is known of the body.
+    """
+    recipe = posture.recipe
+    parts = body_parts(recipe)
+    if not parts:
+        return {}
+    # Sizes are the robot's, not those of a robot on all its parts.
+    least = SLACK * robot_size_of(recipe)
+    body = Posture(replace(recipe, contacts=parts), posture.params).primitives
+    x, y, z = facet.normal.tolist()
+    result: dict[str, float] = {}
+    for i, part in enumerate(parts):
+        depth = support_height(body, i, (x, y, z)) - facet.height
+        if depth > least:
+            result[part.link] = max(depth, result.get(part.link, 0.0))
+    return result
