@@ -13,17 +13,16 @@ from lutgen.urdf import (
     TOUCHING,
     TURN,
     Collision,
-    Meshes,
     Place,
     UrdfJoint,
     UrdfLink,
     UrdfRobot,
     centre_of_mass,
     downwards,
-    foot_of,
     link_contacts,
-    wheel_of,
 )
+from lutgen.urdf.feet import foot_of, wheel_of
+from lutgen.urdf.meshes import Meshes
 from lutgen.vector import Floats
 
 # Share of the com's height above the ground by which one link of a leg is lower than another: the

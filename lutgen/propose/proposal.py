@@ -17,10 +17,11 @@ from lutgen.propose.doubts import doubts
 from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text, unused
-from lutgen.recipe.recipe import Recipe, parse_recipe
+from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
-from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
+from lutgen.urdf import TOUCHING, Motion, UrdfRobot, places, read_motion, used_shapes
 from lutgen.urdf.links import require_mass
+from lutgen.urdf.meshes import Meshes
 
 # Names that a sentence lists.
 LISTED = 12

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.parts import KINDS, Contact, Force, parents_first
-from lutgen.recipe.recipe import Recipe
+from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
 
