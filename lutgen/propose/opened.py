@@ -224,5 +224,5 @@ def _cornered(link: UrdfLink) -> UrdfLink:
     for shape in link.collisions:
         corners = link_contacts(replace(link, collisions=(shape,)))
         points = tuple(x for corner in corners for x in corner.position)
-        parts.append(Collision(shape.name, "points", points, note=shape.note))
+        parts.append(Collision("points", points, note=shape.note))
     return replace(link, collisions=tuple(parts))

@@ -118,15 +118,11 @@ def import_urdf(
     left_out = _left_out(robot, motion, found, inner)
     touching = {contact.link for contact in (*found, *inner)}
     round_ = [k.name for k in robot.links if any(s.kind in TOUCHING for s in k.collisions)]
-    for what, found_in in {
-        "spheres and cylinders away from the ground: ": [
-            name for name in round_ if proposes and name not in touching
-        ],
-        "shapes below all contacts, on which it lies in this posture: ": lower_links(
-            robot, [*found, *inner], rest
-        ),
-    }.items():
-        left_out += [what + listed(found_in)] if found_in else []
+    if proposes and (away := [name for name in round_ if name not in touching]):
+        left_out.append(f"spheres and cylinders away from the ground: {listed(away)}")
+    if lower := lower_links(robot, [*found, *inner], rest):
+        what = "shapes below all contacts, on which it lies in this posture"
+        left_out.append(f"{what}: {listed(lower)}")
     if meshes is not None and (closed := closed_shapes(robot)):
         left_out.append(f"meshes that were not opened: {closed}")
     names = parameter_names(motion)

@@ -107,12 +107,12 @@ def _comment(text: str) -> list[str]:
 
 def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:
     """Return the links with mass or contacts and those that they hang from."""
-    parents = {joint.child: joint.parent for joint in robot.joints}
+    above = robot.above
     result = {robot.root}
     for name in {link.name for link in robot.links if link.mass > 0.0} | {c.link for c in contacts}:
         while name not in result:
             result.add(name)
-            name = parents[name]
+            name = above[name].parent
     return result
 
 
@@ -168,7 +168,8 @@ def _link_values(link: Link, names: Mapping[str, str]) -> dict[str, object]:
         rpy = [_shown(angle, "deg") for angle in link.rpy]
         values |= {"parent": names[link.parent], "origin": _vector(link.origin), "rpy": rpy}
     if (joint := link.joint) is not None:
-        moves = {"type": joint.kind, "axis": _vector(joint.axis), "parameter": joint.parameter}
+        moves: dict[str, object] = {"type": joint.kind, "axis": _vector(joint.axis)}
+        moves["parameter"] = joint.parameter
         if joint.scale != 1.0 or joint.offset:
             unit = "m" if joint.kind == "prismatic" else "deg"
             moves |= {"scale": joint.scale, "offset": _shown(joint.offset, unit)}

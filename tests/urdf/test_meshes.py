@@ -24,7 +24,7 @@ HERE = np.zeros(3)
 
 
 def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object) -> Collision:
-    return Collision("", "mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
+    return Collision("mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
 
 
 def corners(folder: Path, shape: Collision) -> np.ndarray:
