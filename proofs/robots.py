@@ -33,7 +33,6 @@ from lutgen.errors import LutgenError
 from lutgen.propose import Imported, import_urdf
 from lutgen.recipe import Recipe, postures
 from lutgen.urdf import (
-    Meshes,
     Sources,
     UrdfRobot,
     centre_of_mass,
@@ -43,6 +42,7 @@ from lutgen.urdf import (
     read_motion,
     srdf_beside,
 )
+from lutgen.urdf.meshes import Meshes
 from proofs.physics.body import recipe_posture
 from proofs.physics.page import MEASURED, page
 from proofs.physics.release import falls

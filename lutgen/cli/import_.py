@@ -119,7 +119,8 @@ def import_(urdf: str, asked: Asked) -> None:
     from lutgen.files import check_target, write_text
     from lutgen.propose import Coupling, import_urdf
     from lutgen.recipe import merged_recipe, read_text
-    from lutgen.urdf import Meshes, Sources, centre_of_mass, places, read_motion
+    from lutgen.urdf import Sources, centre_of_mass, places, read_motion
+    from lutgen.urdf.meshes import Meshes
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")

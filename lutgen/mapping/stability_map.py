@@ -1,7 +1,7 @@
 """Read a stability map: its values, what lies between its nodes, and figures about the whole."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from lutgen.grid import Axis
 from lutgen.mapping.interpolate import Place, interpolate, worst
 from lutgen.mapping.seal import Storage, check_seal
 from lutgen.quantities import QUANTITIES
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, within_limits
 
 if TYPE_CHECKING:
     import xarray
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 # Parts of a cell by which a place may be beside a node and be at it, where nothing is interpolated:
 # a direction comes back from its unit vector to 2e-16, and from degrees to a few times that.
 AT = 1e-9
-# Parts of its axis by which a parameter may be outside: degrees and back.
-OUTSIDE = 1e-9
 # Root attributes that are about the bytes of the file, and not about its content.
 OF_THE_FILE = ("digest", "complete")
 
@@ -202,23 +200,12 @@ class StabilityMap:
 
     def _checked(self, params: ArrayLike) -> NDArray[np.float64]:
         """Return parameters as (m, k); InputError for another shape and outside of the axes."""
-        points = np.atleast_2d(np.asarray(params, np.float64))
-        if points.ndim != 2 or points.shape[1] != len(self.axes):
-            raise InputError(
-                f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
-                f"one column for each of {', '.join(axis.name for axis in self.axes)}"
-            )
-        for axis, column in zip(self.axes, points.T, strict=True):
-            low, high = axis.knots[0], axis.knots[-1]
-            slack = OUTSIDE * max(high - low, abs(low), abs(high))
-            wrong = ~((column >= low - slack) & (column <= high + slack))
-            if wrong.any():
-                got, *ends = (_text(value, axis.unit) for value in (column[wrong][0], low, high))
-                raise InputError(
-                    f"parameter `{axis.name}` is outside the axis of the map (got {got}); it must "
-                    f"lie in {' to '.join(ends)}"
-                )
-        return points
+        ends = (
+            replace(one, minimum=axis.knots[0], maximum=axis.knots[-1])
+            for one, axis in zip(self.recipe.parameters, self.axes, strict=True)
+        )
+        mapped = replace(self.recipe, parameters=tuple(ends), source=self.path)
+        return within_limits(mapped, np.atleast_2d(np.asarray(params, np.float64)))
 
     def _interpolated(
         self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
@@ -257,11 +244,6 @@ class StabilityMap:
         variables = {name: (dims, self.channel(name), facts[name]) for name in self.channels}
         of_the_map = {k: v for k, v in self.attributes.items() if k not in OF_THE_FILE}
         return xarray.Dataset(variables, coords, of_the_map)
-
-
-def _text(value: float, unit: str) -> str:
-    """Return a value of a parameter for a message; an angle in rad and in deg."""
-    return f"{value:.6g} {unit}" + (f" = {np.degrees(value):.6g} deg" if unit == "rad" else "")
 
 
 def verify(stability_map: StabilityMap) -> None:

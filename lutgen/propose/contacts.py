@@ -1,7 +1,7 @@
 """Find what touches the ground in a robot description."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -23,8 +23,8 @@ MAX_CANDIDATES = 200
 NEAR = 0.25
 # Share of the robot's size by which shapes may be wrong.
 SLACK = 0.01
-# Links that a refusal lists.
-SHOWN = 6
+# Links that a refusal lists, and names that any other sentence does.
+SHOWN, LISTED = 6, 12
 
 
 def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
@@ -178,10 +178,14 @@ def closed_shapes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
             reasons.setdefault(note, []).append(name)
     parts = []
     for note, those in reasons.items():
-        shown = ", ".join(those[:SHOWN])
-        shown += f" and {len(those) - SHOWN} more" if len(those) > SHOWN else ""
-        parts.append(f"{shown}: {note}" if note else shown)
+        parts.append(listed(those, SHOWN) + (f": {note}" if note else ""))
     return "; ".join(parts)
+
+
+def listed(names: Collection[str], most: int = LISTED) -> str:
+    """Return names with commas, the first of them if they are many."""
+    first, rest = [*names][:most], [*names][most:]
+    return ", ".join(first) + (f" and {len(rest)} more" if rest else "")
 
 
 def is_above(com: Floats, points: Floats) -> bool:

@@ -103,7 +103,7 @@ def _off(link: UrdfLink, span: float) -> float:
 
 def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
     """Return the joints that no motor holds though contacts hang from them."""
-    above = {joint.child: joint for joint in robot.joints}
+    above = robot.above
     found: dict[str, str] = {}
     for contact in contacts:
         turn, origin = where[contact.link]

@@ -10,6 +10,7 @@ from lutgen.errors import suggestion
 from lutgen.parts import Contact, Link, Parameter, to_internal
 from lutgen.recipe import schema
 from lutgen.recipe.load import Fault, fail, refuse
+from lutgen.recipe.model import Recipe
 from lutgen.recipe.schema import Robot
 from lutgen.urdf import (
     MAX_BYTES,
@@ -143,3 +144,21 @@ def _shape_faults(
             )
         if contact.rolling and any(one.radius == 0.0 for one in found):
             yield Fault(f"{key}.rolling", "needs a round shape", True, "a box slides: remove it")
+
+
+def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
+    """Return what is known of the body above the contacts, named after its links.
+
+    The centre of mass of every link that has a mass, as a point: it lies inside of what the link
+    is.  With a description also the spheres, cylinders and boxes of links that carry no contact,
+    but no meshes.  In the links' frames, the recipe's length unit; none of a robot given by code.
+    """
+    if recipe.python is not None:
+        return ()
+    touching = {contact.link for contact in recipe.contacts}
+    parts = [Contact(link.name, link.name, link.com) for link in recipe.links if link.mass > 0.0]
+    if recipe.urdf is not None:
+        for link in parse_urdf(recipe.urdf, recipe.source).links:
+            if link.name not in touching:
+                parts += link_contacts(link)
+    return tuple(parts)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.parts import KINDS, Contact, Force, parents_first
-from lutgen.recipe.recipe import Recipe
+from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
 
@@ -141,12 +141,18 @@ def within_limits(recipe: Recipe, params: ArrayLike) -> Floats:
         inside = parameter.has(given)
         if not inside.all():
             row = int(inside.argmin())
+            ends = _in_both_units(parameter.unit, parameter.minimum, parameter.maximum)
             raise InputError(
-                f"{recipe.source}: parameter `{parameter.name}` must lie in "
-                f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit} (got "
-                f"{given[row]:g} in row {row}); angles are in rad, and the recipe has the limits."
+                f"{recipe.source}: parameter `{parameter.name}` must lie in {ends} (got "
+                f"{_in_both_units(parameter.unit, given[row])} in row {row}); give angles in rad."
             )
     return values
+
+
+def _in_both_units(unit: str, *values: float) -> str:
+    """Return a value or an interval for a message, angles in rad and deg."""
+    text = f"{' to '.join(f'{value:g}' for value in values)} {unit}"
+    return text + (f" = {_in_both_units('deg', *np.degrees(values))}" if unit == "rad" else "")
 
 
 def _forward_python(recipe: Recipe, values: Floats) -> Postures:

@@ -224,4 +224,4 @@ def toml(value: object) -> str:
     """
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {toml(one)}" for name, one in value.items()) + " }"
-    return json.dumps(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,14 +1,12 @@
 """A robot description of ROS, read into links, joints and shapes.
 
 In reading order: `xml`, `description`, `printed`, `read`, `joints`, `links`, `shapes`, `srdf`,
-`sources`, `meshes`, `feet`.
+`sources`; and `meshes` and `feet`, which take longer to import.
 """
 
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
-from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.joints import TURN, Couple, Motion, read_motion, soft_limited
 from lutgen.urdf.links import Place, carried, centre_of_mass, downwards, links_of, places
-from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS, load_urdf, parse_urdf
 from lutgen.urdf.shapes import TOUCHING, link_contacts, used_shapes
 from lutgen.urdf.sources import Sources, load_xacro
@@ -22,7 +20,6 @@ __all__ = [
     "TURN",
     "Collision",
     "Couple",
-    "Meshes",
     "Motion",
     "Place",
     "Sources",
@@ -34,7 +31,6 @@ __all__ = [
     "carried",
     "centre_of_mass",
     "downwards",
-    "foot_of",
     "joint_values",
     "link_contacts",
     "links_of",
@@ -47,5 +43,4 @@ __all__ = [
     "soft_limited",
     "srdf_beside",
     "used_shapes",
-    "wheel_of",
 ]

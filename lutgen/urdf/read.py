@@ -170,11 +170,11 @@ class _Reader(Elements):
         geometry = self.only(element, "geometry", where)
         shape = next(iter(geometry), None) if geometry is not None else None
         kind = shape.tag if shape is not None else "nothing"
-        name, placed = element.get("name", ""), self.placement(element, where)
+        placed = self.placement(element, where)
         if shape is not None and kind == "mesh":
             # No number of a mesh that may not be needed is a reason to refuse the robot.
             file, scale = shape.get("filename", ""), floats(shape.get("scale", "1 1 1"))
-            return Collision(name, kind, (), *placed, file, scale)
+            return Collision(kind, (), *placed, file, scale)
         size: tuple[float, ...] = ()
         if shape is not None and kind == "box":
             size = self.vector(shape, "size", where)
@@ -183,7 +183,7 @@ class _Reader(Elements):
         if min(size, default=0.0) < 0.0:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
         note = "" if size else f"a shape of kind {kind!r} is not understood"
-        return Collision(name, kind, size, *placed, note=note)
+        return Collision(kind, size, *placed, note=note)
 
     def joint(self, element: Element) -> UrdfJoint:
         """Read a <joint>."""

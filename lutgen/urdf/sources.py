@@ -77,7 +77,9 @@ class Sources:
     def _candidates(self, name: str) -> Iterator[Path]:
         """Yield the folders that are the package, the likeliest first."""
         for entry in _entries("ROS_PACKAGE_PATH"):
-            yield from (folder for folder in _down(entry, DEPTH) if _is_package(folder, name))
+            for depth in range(DEPTH + 1):
+                files = sorted(entry.glob("*/" * depth + "package.xml"))
+                yield from (file.parent for file in files if _is_package(file.parent, name))
         for prefix in _entries("AMENT_PREFIX_PATH"):
             if (prefix / "share" / name).is_dir():
                 yield prefix / "share" / name
@@ -92,23 +94,6 @@ class Sources:
 def _entries(variable: str) -> list[Path]:
     """Return the folders of an environment variable."""
     return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
-
-
-def _down(folder: Path, levels: int) -> Iterator[Path]:
-    """Yield a folder and those below it, none inside of a package."""
-    yield folder
-    if levels and not (folder / "package.xml").exists():
-        for below in _listed(folder):
-            if below.is_dir() and below.name[0] != ".":
-                yield from _down(below, levels - 1)
-
-
-def _listed(folder: Path) -> list[Path]:
-    """Return what is in a folder in order of names; nothing if it cannot be read."""
-    try:
-        return sorted(folder.iterdir())
-    except (OSError, ValueError):
-        return []
 
 
 def _is_package(folder: Path, name: str) -> bool:
@@ -131,7 +116,7 @@ def _other_case(path: Path) -> Path | None:
     if path.parent == path or (parent := _other_case(path.parent)) is None:
         return None
     wanted = path.name.casefold()
-    return next((one for one in _listed(parent) if one.name.casefold() == wanted), None)
+    return next((one for one in sorted(parent.glob("*")) if one.name.casefold() == wanted), None)
 
 
 def load_xacro(
@@ -156,13 +141,48 @@ def load_xacro(
             f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
             "xacro: before its elements."
         )
+    try:
+        import xacro
+        from xacrodoc import XacroDoc
+        from xacrodoc import packages as finder
+    except ImportError:
+        raise InputError(
+            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
+            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
+        ) from None
     found: dict[str, Path] = dict(packages or {})
-    known = Sources(Path(source).parent, packages or {})
+    known = Sources(Path(source).parent, found.copy())
     # Which packages are needed shows while the file is expanded: once more for each.
     while True:
-        missing, expanded = _expanded(source, text, found, arguments or {})
-        if missing is None:
+        try:
+            # What an earlier file found is forgotten.
+            finder.reset()
+            finder.update_package_cache(found)
+            # Includes are relative to the file that has them.
+            xacro.init_stacks(str(Path(source).absolute()))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                document = XacroDoc.from_string(
+                    text,
+                    subargs=dict(arguments or {}),
+                    resolve_packages=False,
+                    rootdir=Path(source).parent,
+                )
+                # Names of meshes keep what they begin with: no package of theirs is needed.
+                expanded = document.to_urdf_string(use_protocols=True)
             return parse_urdf(expanded, source)
+        except RecipeError:
+            raise
+        except Exception as error:
+            # The expressions of a file can fail in any way that Python can.
+            cause: BaseException | None = error
+            while cause is not None and not isinstance(cause, finder.PackageNotFoundError):
+                cause = cause.__context__
+            if cause is None:
+                raise RecipeError(
+                    f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
+                ) from None
+            missing = str(cause.args[0])
         folder = known.package(missing) if missing not in found else None
         if folder is None:
             raise RecipeError(
@@ -171,46 +191,6 @@ def load_xacro(
                 f"--package {missing}=FOLDER."
             )
         found[missing] = folder
-
-
-def _expanded(
-    source: str, text: str, folders: Mapping[str, Path], arguments: Mapping[str, str]
-) -> tuple[str | None, str]:
-    """Return None and the expanded text, or the name of a package that is missing."""
-    try:
-        import xacro
-        from xacrodoc import XacroDoc, packages
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
-            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
-        ) from None
-    try:
-        # What an earlier file found is forgotten.
-        packages.reset()
-        packages.update_package_cache(folders)
-        # Includes are relative to the file that has them.
-        xacro.init_stacks(str(Path(source).absolute()))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            document = XacroDoc.from_string(
-                text,
-                subargs=dict(arguments),
-                resolve_packages=False,
-                rootdir=Path(source).parent,
-            )
-            # Names of meshes keep what they begin with: no package of theirs is needed.
-            return None, document.to_urdf_string(use_protocols=True)
-    except Exception as error:
-        # The expressions of a file can fail in any way that Python can.
-        cause: BaseException | None = error
-        while cause is not None:
-            if isinstance(cause, packages.PackageNotFoundError):
-                return str(cause.args[0]), ""
-            cause = cause.__context__
-        raise RecipeError(
-            f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
-        ) from None
 
 
 def quoted(error: Exception) -> str:

@@ -164,7 +164,7 @@ def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:
     for group in root.iterfind("group"):
         if name := group.get("name", "").strip():
             parts.setdefault(name, []).extend(group)
-    above = {joint.child: joint for joint in robot.joints}
+    above = robot.above
     result = {}
     for name in parts:
         # A group that is met twice adds nothing.

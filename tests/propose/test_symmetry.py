@@ -8,8 +8,8 @@ import pytest
 from lutgen.propose import import_urdf
 from lutgen.propose.couplings import Coupling
 from lutgen.propose.symmetry import common_name, stem
+from lutgen.recipe import Recipe
 from lutgen.recipe.kinematics import forward
-from lutgen.recipe.recipe import Recipe
 from lutgen.urdf import UrdfRobot, load_srdf, load_urdf, parse_urdf
 from tests.fixtures.places import VECTORS
 

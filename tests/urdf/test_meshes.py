@@ -13,7 +13,9 @@ import pytest
 
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
-from lutgen.urdf import Collision, Meshes, Sources, foot_of, wheel_of
+from lutgen.urdf import Collision, Sources
+from lutgen.urdf.feet import foot_of, wheel_of
+from lutgen.urdf.meshes import Meshes
 from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, stl, write
 
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -22,7 +24,7 @@ HERE = np.zeros(3)
 
 
 def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object) -> Collision:
-    return Collision("", "mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
+    return Collision("mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
 
 
 def corners(folder: Path, shape: Collision) -> np.ndarray:
