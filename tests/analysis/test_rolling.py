@@ -501,7 +501,7 @@ def test_eval_says_whether_it_rolls_and_how_it_tips_then(tmp_path: Path) -> None
         )  # type: ignore[call-overload]
         assert ("rolls away     yes" in text) is (rolling == ALL)
         assert ("rolls away     no" in text) is (rolling == REAR)
-        assert ("rolling freely tip_angle " in text) is (rolling == ALL)
+        assert ("rolls freely   tip_angle " in text) is (rolling == ALL)
         assert ("rolling_gravity" in report) is (rolling == ALL)
         if rolling == ALL:
             down = np.array([0.0, 0.2, -1.0])
