@@ -2,11 +2,12 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `balance`, `uneven`.
+`budget`, `balance`, `uneven`, `footing`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
+from lutgen.analysis.footing import read_footing
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.ground_tilt import GroundTilt, ground_limits, ground_tilt
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
@@ -64,6 +65,7 @@ __all__ = [
     "may_hold",
     "normal_forces",
     "posture_limits",
+    "read_footing",
     "roll_limits",
     "rolling_gravity",
     "rolls",

@@ -1,7 +1,7 @@
 """Read a stability map: its values, what lies between its nodes, and figures about the whole."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from lutgen.grid import Axis
 from lutgen.mapping.interpolate import Place, interpolate, worst
 from lutgen.mapping.seal import Storage, check_seal
 from lutgen.quantities import QUANTITIES
-from lutgen.recipe import Recipe, within_limits
+from lutgen.recipe import Recipe
 
 if TYPE_CHECKING:
     import xarray
@@ -200,12 +200,17 @@ class StabilityMap:
 
     def _checked(self, params: ArrayLike) -> NDArray[np.float64]:
         """Return parameters as (m, k); InputError for another shape and outside of the axes."""
-        ends = (
-            replace(one, minimum=axis.knots[0], maximum=axis.knots[-1])
-            for one, axis in zip(self.recipe.parameters, self.axes, strict=True)
-        )
-        mapped = replace(self.recipe, parameters=tuple(ends), source=self.path)
-        return within_limits(mapped, np.atleast_2d(np.asarray(params, np.float64)))
+        points = np.atleast_2d(np.asarray(params, np.float64))
+        if points.ndim != 2 or points.shape[1] != len(self.axes):
+            raise InputError(
+                f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
+                f"one column for each of {', '.join(axis.name for axis in self.axes)}"
+            )
+        for parameter, axis, column in zip(
+            self.recipe.parameters, self.axes, points.T, strict=True
+        ):
+            parameter.require(column, self.recipe.source, axis.knots[0], axis.knots[-1])
+        return points
 
     def _interpolated(
         self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]

@@ -136,23 +136,9 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
 def within_limits(recipe: Recipe, params: ArrayLike) -> Floats:
     """Return params as `forward` takes them; InputError is raised for one beyond its limits."""
     values = _checked(recipe, params)
-    for column, parameter in enumerate(recipe.parameters):
-        given = values[:, column]
-        inside = parameter.has(given)
-        if not inside.all():
-            row = int(inside.argmin())
-            ends = _in_both_units(parameter.unit, parameter.minimum, parameter.maximum)
-            raise InputError(
-                f"{recipe.source}: parameter `{parameter.name}` must lie in {ends} (got "
-                f"{_in_both_units(parameter.unit, given[row])} in row {row}); give angles in rad."
-            )
+    for parameter, column in zip(recipe.parameters, values.T, strict=True):
+        parameter.require(column, recipe.source, parameter.minimum, parameter.maximum)
     return values
-
-
-def _in_both_units(unit: str, *values: float) -> str:
-    """Return a value or an interval for a message, angles in rad and deg."""
-    text = f"{' to '.join(f'{value:g}' for value in values)} {unit}"
-    return text + (f" = {_in_both_units('deg', *np.degrees(values))}" if unit == "rad" else "")
 
 
 def _forward_python(recipe: Recipe, values: Floats) -> Postures:
