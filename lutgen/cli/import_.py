@@ -25,7 +25,8 @@ from lutgen.errors import InputError, RecipeError
 if TYPE_CHECKING:
     from lutgen.parts import Contact
     from lutgen.recipe import Recipe
-    from lutgen.urdf import Srdf, UrdfRobot
+    from lutgen.urdf.description import UrdfRobot
+    from lutgen.urdf.srdf import Srdf
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
@@ -119,8 +120,10 @@ def import_(urdf: str, asked: Asked) -> None:
     from lutgen.files import check_target, write_text
     from lutgen.propose import Coupling, import_urdf
     from lutgen.recipe import merged_recipe, read_text
-    from lutgen.urdf import Sources, centre_of_mass, places, read_motion
+    from lutgen.urdf.joints import read_motion
+    from lutgen.urdf.links import centre_of_mass, places
     from lutgen.urdf.meshes import Meshes
+    from lutgen.urdf.sources import Sources
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
@@ -208,7 +211,7 @@ def scaled(joint: str, scale: float) -> str:
 
 def _srdf(path: str, robot: "UrdfRobot", asked: Asked) -> "Srdf | None":
     """Return what the SRDF file says that is given or stands beside the description."""
-    from lutgen.urdf import load_srdf, srdf_beside
+    from lutgen.urdf.srdf import load_srdf, srdf_beside
 
     file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
     return None if file is None else load_srdf(file, robot)
@@ -218,7 +221,7 @@ def _standing(
     path: str, robot: "UrdfRobot", asked: Asked, srdf: "Srdf | None"
 ) -> tuple[dict[str, float], str, list[str]]:
     """Return the posture to stand in (rad, m), where it comes from, and what it leaves out."""
-    from lutgen.urdf import beyond_limits, joint_values
+    from lutgen.urdf.srdf import beyond_limits, joint_values
 
     given = joint_values(robot, asked.assignments)
     if srdf is None:
@@ -250,7 +253,9 @@ def _standing(
 
 def _read(path: str, asked: Asked) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for."""
-    from lutgen.urdf import load_urdf, load_xacro, soft_limited
+    from lutgen.urdf.joints import soft_limited
+    from lutgen.urdf.read import load_urdf
+    from lutgen.urdf.sources import load_xacro
 
     macros = path.endswith(".xacro")
     if macros and not asked.xacro:

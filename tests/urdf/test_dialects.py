@@ -10,8 +10,9 @@ from lutgen.analysis import Posture, posture_limits, tilt_limits
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose import import_urdf
-from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion, soft_limited
-from lutgen.urdf.read import FORMAT
+from lutgen.urdf.joints import read_motion, soft_limited
+from lutgen.urdf.links import centre_of_mass, places
+from lutgen.urdf.read import FORMAT, parse_urdf
 from tests.fixtures.places import ROOT
 from tests.fixtures.robots import collision, joint, link, robot
 

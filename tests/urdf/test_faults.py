@@ -7,7 +7,9 @@ import pytest
 
 from lutgen.errors import LutgenError
 from lutgen.propose import import_urdf
-from lutgen.urdf import load_srdf, load_xacro, parse_urdf
+from lutgen.urdf.read import parse_urdf
+from lutgen.urdf.sources import load_xacro
+from lutgen.urdf.srdf import load_srdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from lutgen.propose import import_urdf
-from lutgen.urdf import parse_urdf
 from lutgen.urdf.printed import meant
+from lutgen.urdf.read import parse_urdf
 
 QUARTER = math.pi / 2.0
 

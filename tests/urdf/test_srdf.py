@@ -9,14 +9,8 @@ import pytest
 
 import lutgen
 from lutgen.errors import InputError, RecipeError
-from lutgen.urdf import (
-    joint_values,
-    load_srdf,
-    load_urdf,
-    parse_urdf,
-    srdf_beside,
-)
-from lutgen.urdf.srdf import joint_groups
+from lutgen.urdf.read import load_urdf, parse_urdf
+from lutgen.urdf.srdf import joint_groups, joint_values, load_srdf, srdf_beside
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.places import VECTORS

@@ -8,7 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
-from lutgen.urdf import load_urdf
+from lutgen.urdf.read import load_urdf
 from lutgen.urdf.sources import Sources, load_xacro
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
