@@ -58,11 +58,7 @@ def test_without_them_one_sentence_names_the_package_and_the_option(tmp_path: Pa
 
 @pytest.mark.parametrize(
     ("variable", "value"),
-    [
-        ("ROS_PACKAGE_PATH", SHARE),
-        ("ROS_PACKAGE_PATH", VECTORS / "xacro"),
-        ("AMENT_PREFIX_PATH", VECTORS / "xacro"),
-    ],
+    [(name, VECTORS / "xacro") for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")],
 )
 def test_without_them_the_environment_is_enough(
     variable: str, value: Path, monkeypatch: pytest.MonkeyPatch
