@@ -25,7 +25,7 @@ from lutgen.errors import LutgenError
 from lutgen.propose import import_urdf
 from lutgen.recipe import Recipe, gallery_names, load_recipe
 from lutgen.support import support_contact
-from lutgen.urdf import load_urdf
+from lutgen.urdf.read import load_urdf
 from lutgen.vector import Floats
 from proofs.descriptions import FOLDER
 from proofs.margins import MARGINS

@@ -14,7 +14,7 @@ from lutgen.errors import InputError, RecipeError
 if TYPE_CHECKING:
     from lutgen.parts import Contact
     from lutgen.propose import Imported, Standing
-    from lutgen.urdf import UrdfRobot
+    from lutgen.urdf.description import UrdfRobot
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
@@ -106,8 +106,9 @@ def import_(urdf: str, options: Options) -> None:
     from lutgen.files import check_target, write_text
     from lutgen.propose import Coupling, import_urdf, standing_posture
     from lutgen.recipe import merged_recipe, read_text
-    from lutgen.urdf import Sources, joint_values, load_srdf, srdf_beside
     from lutgen.urdf.meshes import Meshes
+    from lutgen.urdf.sources import Sources
+    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside
 
     if not options.output.endswith(".toml"):
         got = options.output
@@ -145,7 +146,8 @@ def import_(urdf: str, options: Options) -> None:
 
 def import_report(robot: "UrdfRobot", rest: "Standing", made: "Imported") -> dict[str, Any]:
     """Return what `--json` prints."""
-    from lutgen.urdf import centre_of_mass, places, read_motion
+    from lutgen.urdf.joints import read_motion
+    from lutgen.urdf.links import centre_of_mass, places
 
     return {
         "name": made.recipe.name,
@@ -204,7 +206,9 @@ def scaled(joint: str, scale: float) -> str:
 
 def read_robot(path: str, options: Options) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for, under the name that is given."""
-    from lutgen.urdf import load_urdf, load_xacro, soft_limited
+    from lutgen.urdf.joints import soft_limited
+    from lutgen.urdf.read import load_urdf
+    from lutgen.urdf.sources import load_xacro
 
     if path.endswith(".xacro") and not options.xacro:
         raise InputError(

@@ -7,14 +7,9 @@ import numpy as np
 
 from lutgen.errors import RecipeError, suggestion
 from lutgen.parts import Contact
-from lutgen.urdf import (
-    TOUCHING,
-    Place,
-    UrdfRobot,
-    centre_of_mass,
-    downwards,
-    link_contacts,
-)
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.links import Place, centre_of_mass, downwards
+from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200

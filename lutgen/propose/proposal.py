@@ -20,9 +20,11 @@ from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text, unused
 from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
-from lutgen.urdf import TOUCHING, Motion, UrdfRobot, places, read_motion, used_shapes
-from lutgen.urdf.links import require_mass
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Motion, read_motion
+from lutgen.urdf.links import places, require_mass
 from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.shapes import TOUCHING, used_shapes
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lutgen.errors import InputError
-from lutgen.urdf import Srdf, UrdfRobot, beyond_limits
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.srdf import Srdf, beyond_limits
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,10 @@ from dataclasses import replace
 from lutgen.parts import Contact, Link
 from lutgen.recipe.load import toml
 from lutgen.recipe.rules import RESERVED
-from lutgen.urdf import TOUCHING, Couple, Motion, UrdfRobot, link_contacts, links_of
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Couple, Motion
+from lutgen.urdf.links import links_of
+from lutgen.urdf.shapes import TOUCHING, link_contacts
 
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest
 # nodes make more postures than `TOO_MANY`, their ends alone are proposed.

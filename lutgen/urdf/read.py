@@ -18,7 +18,7 @@ from lutgen.parts import parents_first
 from lutgen.rotation import angles, axis_rotation
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
-from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, read_bytes, short_enough
+from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
 from lutgen.vector import Vector
 
 MAX_LINKS = bounds.LINKS.most
@@ -56,7 +56,7 @@ FORMAT = {
 def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
     """Read a URDF file of at most 16 MiB; a file with any fault raises RecipeError."""
     source = os.fspath(path)
-    return parse_urdf(read_bytes(source), source)
+    return parse_urdf(bounds.read(source, bounds.URDF_BYTES), source)
 
 
 def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
@@ -66,7 +66,8 @@ def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
     """
     # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
     raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content
-    return _Reader(source).robot(parse_xml(short_enough(raw, source), source))
+    raw = bounds.short_enough(raw, source, bounds.URDF_BYTES)
+    return _Reader(source).robot(parse_xml(raw, source))
 
 
 class _Reader(Elements):

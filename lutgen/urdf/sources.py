@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
 
-from lutgen.errors import InputError, RecipeError, unreadable
+from lutgen import bounds
+from lutgen.errors import InputError, RecipeError
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.xml import parse_xml
@@ -131,10 +132,7 @@ def load_xacro(
     RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
     """
     source = os.fspath(path)
-    try:
-        text = Path(source).read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        raise unreadable(source, error) from error
+    text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
     other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
     if other:
         raise RecipeError(
