@@ -1,7 +1,4 @@
-"""An export from source to folder: what is asked for, the choice, the certificate, the files.
-
-Owns the order of the steps and the defaults; each step is a module of its own.
-"""
+"""Export a recipe or a map: the choice of a codec, the certificate, the folder."""
 
 import logging
 import os

@@ -1,7 +1,4 @@
-"""On-board control asked on this machine: the C of `smap_control.h`, of many robots at a time.
-
-Owns the shapes and types of samples and commands, and the memory of states.
-"""
+"""Ask the C of `smap_control.h` on this machine, for many robots at a time."""
 
 import ctypes
 from typing import Any

@@ -1,7 +1,4 @@
-"""The C runtime asked on this machine: many queries of a map that is in memory.
-
-Owns the shapes and types of queries and answers, and the threads: C holds no lock of Python's.
-"""
+"""Ask the C runtime on this machine many queries of a map in memory, with all its cores."""
 
 import ctypes
 import os
