@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.control.limits import limits_of
-from firmware_export.control.objective import Objective, lattice, measured, read
+from firmware_export.control.objective import lattice, measured, read, score_of
 from firmware_export.control.table import between, polished, smooth
 from firmware_export.protocol import Joint, Policy
 from firmware_export.truth import Model
@@ -30,7 +30,7 @@ class Wishes:
     Parameters
     ----------
     objective : str
-        See `Objective.of`.
+        See `score_of`.
     within : float
         By how much less than the best score will do, for the sake of smoothness.
     nodes : int
@@ -117,7 +117,7 @@ def design(model: Model, wishes: Wishes) -> Design:
         limit = min(limit, model.chart_limit)
     along = np.linspace(-limit, limit, n)
     slopes = np.array([[u, v, -1.0] for u in along for v in along])
-    postures, goal = lattice(model), Objective.of(wishes.objective, wishes.margin)
+    postures, scores = lattice(model), score_of(wishes.objective, wishes.margin)
 
     def move2(params: Floats) -> Floats:
         return np.asarray((((params - home) / scale) ** 2).sum(axis=1))
@@ -125,10 +125,10 @@ def design(model: Model, wishes: Wishes) -> Design:
     def scored(params: Floats, places: Floats) -> Floats:
         uv = (2.0 * places - 1.0) * limit
         down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
-        return goal.score(*read(model, params, down, wishes.convention), move2(params))
+        return scores(*read(model, params, down, wishes.convention), move2(params))
 
     tip, sdg = measured(model, postures, slopes, wishes.convention)
-    score = goal.score(tip, sdg, move2(postures)).reshape(n, n, -1)
+    score = scores(tip, sdg, move2(postures)).reshape(n, n, -1)
     first = smooth(postures, score, home, scale, wishes.within)
     alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], first.shape)
     enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within

@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
@@ -19,51 +19,31 @@ _PRICED = re.compile(r"tip_angle\s*-\s*([0-9.]+)\s*\*\s*move2$")
 WORDS = "tip_angle, tip_angle-X*move2, move, sdg"
 
 
-@dataclass(frozen=True)
-class Objective:
-    """An objective: the larger its score, the better.
+# Scores of tip angles (rad), |SD_g| and squared moves from home (rad): the larger, the better.
+Score = Callable[[Floats, Floats, Floats], Floats]
 
-    Parameters
-    ----------
-    kind : str
-        ``"tip_angle"``: less `price` times the square of the move from home, rad.
-        ``"move"``: the smallest move that has the tip angle `margin`.
-        ``"sdg"``: the smallest |SD_g|, as the paper has it.
-    price : float
-        rad of tip angle for a move of 1 rad.
-    margin : float
-        rad.
+
+def score_of(objective: str, margin: float) -> Score:
+    """Return the score of an objective.
+
+    ``tip_angle``, of which ``tip_angle-X*move2`` takes X rad for a move of 1 rad; ``move``: the
+    smallest move that has the tip angle `margin`; ``sdg``: the smallest |SD_g|, as in the paper.
     """
+    priced = _PRICED.match(objective.strip())
+    if not priced and objective not in ("tip_angle", "move", "sdg"):
+        raise InputError(f"--objective: unknown objective (got {objective!r}); one of {WORDS}.")
+    price = float(priced[1]) if priced else 0.0
 
-    kind: str
-    price: float = 0.0
-    margin: float = 0.0
-
-    @classmethod
-    def of(cls, text: str, margin: float) -> "Objective":
-        """Return the objective of a text.
-
-        Examples
-        --------
-        >>> Objective.of("tip_angle-0.03*move2", 0.1)
-        Objective(kind='tip_angle', price=0.03, margin=0.1)
-        """
-        found = _PRICED.match(text.strip())
-        if found:
-            return cls("tip_angle", float(found[1]), margin)
-        if text not in ("tip_angle", "move", "sdg"):
-            raise InputError(f"--objective: unknown objective (got {text!r}); one of {WORDS}.")
-        return cls(text, 0.0, margin)
-
-    def score(self, tip: Floats, sdg: Floats, move2: Floats) -> Floats:
-        """Return the scores of postures with a tip angle (rad), |SD_g| and squared move."""
-        if self.kind == "sdg":
+    def score(tip: Floats, sdg: Floats, move2: Floats) -> Floats:
+        if objective == "sdg":
             value = -sdg
-        elif self.kind == "move":
-            value = np.where(tip >= self.margin, math.pi - np.sqrt(move2), tip - math.pi)
+        elif objective == "move":
+            value = np.where(tip >= margin, math.pi - np.sqrt(move2), tip - math.pi)
         else:
-            value = tip - self.price * move2
+            value = tip - price * move2
         return np.asarray(np.where(tip >= 0.0, value, TIPS + tip))
+
+    return score
 
 
 def lattice(model: Model) -> Floats:
