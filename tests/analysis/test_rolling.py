@@ -79,16 +79,13 @@ def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is
 def test_without_brakes_a_cart_rolls_but_straight_across_and_braked_all_over_it_never_rolls() -> (
     None
 ):
-    for friction in (0.5, None):
-        free = parsed(ALL, friction)
-        down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
-        assert rolls(Posture(free, []), down).all()
-        assert not rolls(Posture(free, []), [[0.0, 0.0, -1.0]]).any()
+    down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
+    assert rolls(Posture(parsed(ALL, 0.5), []), down).all()
+    assert not rolls(Posture(parsed(ALL, 0.5), []), [[0.0, 0.0, -1.0]]).any()
     assert not rolls(Posture(parsed(()), []), tilted(0.65, np.linspace(0.0, 6.0, 40))).any()
     # Across them friction holds it up to atan 0.5.
     across = tilted([math.atan(0.5) - 1e-6, math.atan(0.5) + 1e-6], LEFT)
     assert rolls(Posture(parsed(ALL, 0.5), []), across).tolist() == [False, True]
-    assert rolls(Posture(parsed(ALL, None), []), across).tolist() == [False, False]
 
 
 def test_without_friction_brakes_hold_whatever_carries_load() -> None:
@@ -109,7 +106,7 @@ def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
     # The rear right wheel is braked and the others are balls: gravity has an arm about it.
     caster = parsed((0, 1, 2), None, ball=(0, 1, 2))
     assert rolls(Posture(caster, []), tilted(0.2, [0.0, LEFT, 1.0])).all()
-    # Straight from the brake to the com there is no arm: it hangs, or is balanced.
+    # Straight from the brake to the com there is no arm.
     away = math.atan2(0.4, 0.5)
     assert not rolls(Posture(caster, []), tilted(0.2, [away, away + math.pi])).any()
     assert rolls(Posture(caster, []), tilted(0.2, [away + 1e-3])).all()
