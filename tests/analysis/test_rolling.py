@@ -120,7 +120,8 @@ def by_forces(posture: Posture, direction: Floats, load: Floats | None = None) -
     A linear programme over the forces themselves, and without a load over the normal forces, too;
     the circle of friction is a polygon of 360 sides inside it.
     """
-    facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
+    facet = posture.stance.under(direction)
+    assert facet is not None
     frame = facet.frame(direction)
     places, count = facet.touching_points @ frame.T, len(facet.touching)
     turns = np.arange(360) * (2.0 * math.pi / 360)
@@ -172,7 +173,8 @@ def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_th
     for posture in postures:
         for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
-            facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
+            facet = posture.stance.under(direction)
+            assert facet is not None
             every = held_share(posture, facet, direction)
             some = held_share(posture, facet, direction, "some")
             assert every <= some + 1e-10  # what a search misses
