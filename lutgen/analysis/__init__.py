@@ -8,8 +8,8 @@ In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 from lutgen.analysis.budget import budgets, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.footing import read_footing
-from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
-from lutgen.analysis.ground_tilt import GroundTilt, ground_limits, ground_tilt
+from lutgen.analysis.forces import heuristic_forces, normal_forces
+from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.posture import Facet, Posture, below_ground
 from lutgen.analysis.rolling import (
@@ -55,13 +55,11 @@ __all__ = [
     "diagnose",
     "equilibrium",
     "even_headings",
-    "ground_limits",
     "ground_tilt",
     "heuristic_forces",
     "hold_limits",
     "holds",
     "level_frames",
-    "load_corners",
     "may_hold",
     "normal_forces",
     "posture_limits",

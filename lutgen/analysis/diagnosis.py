@@ -1,6 +1,6 @@
 """One posture under one direction, explained: facet, tip-over axes, forces, sliding.
 
-Owns what a map does not store.  `diagnose` is for people and plots; it is exact and not fast.
+It says what a map does not store, for people and plots; it is exact and not fast.
 """
 
 import math

@@ -9,7 +9,8 @@ sees: its body turns further than the ground does where it rocks.
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +19,6 @@ from lutgen.analysis.ground_seat import SAME, Edge, Seat, least_tilt, seat_on
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
-from lutgen.recipe import Recipe
 from lutgen.support import ACCEPTED
 from lutgen.vector import Floats
 
@@ -91,7 +91,6 @@ class GroundTilt:
     def guaranteed(self) -> float:
         """Slope up to which the robot tips over in no heading, whatever headings came before.
 
-        The least limit of all headings, or `elsewhere` if that is less, and a rounding below it.
         It holds for ground that has not been steeper since the robot stood on level ground: once it
         has rolled onto another rest on a steeper slope, it may have less left there.
         """
@@ -133,20 +132,13 @@ class GroundTilt:
 def ground_tilt(posture: Posture) -> GroundTilt:
     """Return how far the ground under a posture can be tilted in every heading.
 
-    Notes
-    -----
     In the plane of slopes (see `ground_seat`) each rest is a polygon with straight sides, and the
     robot arrives on the next one along a straight line, too.  The circle of headings is therefore
     cut where a ray passes a corner or an end of a held part, and where lines cross.  One edge
-    decides between cuts: the limit is known in closed form, and so is its minimum.  No heading is a
-    sample.  A robot that comes back to a rest on the way counts as tipping, and so does one that
-    arrives beyond an edge of the rest.
-
-    Ground whose heading changes can bring the robot onto other rests than a tilt from level does;
-    `elsewhere` is about those.
-
-    Under forces or with an uncertain com the limit is where the robot leaves the rest that it
-    stands on at level.
+    decides between cuts: the limit is known in closed form, and so is its minimum.  A robot that
+    comes back to a rest on the way counts as tipping, and so does one that arrives beyond an edge
+    of the rest.  Under forces or with an uncertain com the limit is where the robot leaves the rest
+    that it stands on at level.
     """
     frame = level_frames(posture.recipe, posture.row, "plane")[0]
     region = posture.stance.region
@@ -188,8 +180,10 @@ def _tilted(
     """
     pieces, gone = [], (*before, seat.group)
     ends = seat.cuts(arc, line)
-    found = _leaves(seat, line, (ends[:-1] + ends[1:]) / 2.0)
-    for part, (limit, over, rolls) in _joined(ends, found):
+    found = zip(_leaves(seat, line, (ends[:-1] + ends[1:]) / 2.0), pairwise(ends), strict=True)
+    for (limit, over, rolls), run in groupby(found, itemgetter(0)):
+        arcs = [one for _, one in run]
+        part = float(arcs[0][0]), float(arcs[-1][1])
         there = seat_on(posture, over.beyond, seat.frame) if rolls else seat
         if there.group in gone:
             pieces.append(Piece(*part, limit, over))
@@ -212,17 +206,6 @@ def _leaves(seat: Seat, line: Edge | None, headings: Floats) -> list[Leaving]:
         for k in np.flatnonzero(outside.max(axis=0) > ON):
             found[k] = line, seat.edges[outside[:, k].argmax()], False
     return found
-
-
-def _joined(ends: Floats, found: list[Leaving]) -> list[tuple[tuple[float, float], Leaving]]:
-    """Return arcs between headings with what was found in each, those that agree as one."""
-    joined: list[tuple[tuple[float, float], Leaving]] = []
-    for (begin, end), leaving in zip(pairwise(ends.tolist()), found, strict=True):
-        if joined and joined[-1][1] == leaving:
-            joined[-1] = (joined[-1][0][0], end), leaving
-        else:
-            joined.append(((begin, end), leaving))
-    return joined
 
 
 def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
@@ -251,24 +234,3 @@ def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
             least[here] = min(least[here], least[there])
     first = [max(slope, least[there]) for here, there, slope in rolls if here in starts]
     return min(found + first)
-
-
-def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:
-    """Return the slopes of the ground at which the robot tips over.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Postures, rad or length.
-    headings : (h,) array_like
-        In which the ground falls, rad; 0 is under the nose.
-
-    Returns
-    -------
-    (m, h) float64
-        Radians in [0, pi/2); 0 where the robot tips over on level ground.  See `ground_tilt`.
-    """
-    rows = np.asarray(params, dtype=np.float64)
-    return np.array([ground_tilt(Posture(recipe, row)).limits(headings) for row in rows])

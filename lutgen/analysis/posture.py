@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
@@ -28,6 +28,7 @@ from lutgen.support import (
     empty_region,
     pack,
     seat_beyond,
+    seat_under,
     stand,
     support_contact,
     support_height,
@@ -111,32 +112,17 @@ class Stance:
     convex: bool
     region: Region
 
-    def under(self, gravity_dir: Floats) -> NDArray[np.intp]:
-        """Return the index (g,) of the facet on the ground for (g, 3) directions; -1 for none."""
-        if not self.facets:
-            return np.full(len(gravity_dir), -1)
-        planes = np.array([facet.normal / facet.height for facet in self.facets])
-        rates = gravity_dir @ planes.T
-        highest = rates.max(axis=1)
-        # Ties go to the lower index, as in `region.seat_under`.
-        nearest = np.argmax(rates * (1.0 + 1e-12) >= highest[:, None], axis=1)
-        return np.where(highest > 0.0, nearest, -1)
+    def under(self, direction: Floats) -> Facet | None:
+        """Return the facet that gravity along a direction (3,) pierces, or None."""
+        x, y, z = direction.tolist()
+        k = seat_under(self.region, (x, y, z))
+        return self.facets[k] if k >= 0 else None
 
 
 class Posture:
-    """One geometry of a robot.
+    """One geometry of a robot: its parameters (k,), rad or the recipe's length unit.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or the recipe's length unit.
-
-    Attributes
-    ----------
-    row : (1, k) float64
-        The parameters, as functions of many postures take them.
+    `row` (1, k) are these parameters as functions of many postures take them.
 
     Examples
     --------
@@ -220,17 +206,8 @@ def _facet(region: Region, k: int) -> Facet:
 def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
     """Return how far links without contacts would reach below the ground, by their name.
 
-    Parameters
-    ----------
-    posture : Posture
-    facet : Facet
-        The facet that is on the ground.
-
-    Returns
-    -------
-    dict of str to float
-        Depth below the facet's plane (the recipe's length unit) of those whose depth is more
-        than 1 % of the robot's size; empty where nothing is known of the body.
+    It is the depth below the plane of the facet that is on the ground, of those whose depth is more
+    than 1 % of the robot's size; empty where nothing is known of the body.
     """
     recipe = posture.recipe
     parts = body_parts(recipe)

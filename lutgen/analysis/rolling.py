@@ -138,10 +138,10 @@ def _verdicts(
     recipe, stance = posture.recipe, posture.stance_of_weight()
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
     held, rolling = np.zeros((2, len(directions)), np.bool_)
-    for d, k in enumerate(stance.under(directions)):
-        if k < 0 or angle[d] < 0.0:
+    for d in np.flatnonzero(angle >= 0.0):
+        facet = stance.under(directions[d])
+        if facet is None:
             continue
-        facet = stance.facets[k]
         rolling[d] = any(recipe.contacts[i].rolling for i in facet.touching)
         share = held_share(posture, facet, directions[d], loads)
         slope = math.acos(min(1.0, float(facet.normal @ directions[d])))
@@ -186,26 +186,15 @@ def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
     speed at (g . t) t, and what remains to tip it is g - (g . t) t; on balls that roll in every
     direction, the part along the facet's normal.  Evaluate any channel there.
 
-    Parameters
-    ----------
-    posture : Posture
-    gravity_dir : (3,) array_like
-        Direction in the body frame, pointing down, of any length > 0.
-
-    Returns
-    -------
-    (3,) float64 or None
-        Unit vector, body frame.  None where the robot does not roll freely and straight: a contact
-        of its support facet is braked, the discs roll in different directions, or the slope also
-        pulls sideways with all discs on one axle, so that the robot would turn.
+    `gravity_dir` (3,) is in the body frame, pointing down, of any length > 0; the result (3,) is a
+    unit vector.  None where the robot does not roll freely and straight: a contact of its support
+    facet is braked, the discs roll in different directions, or the slope also pulls sideways with
+    all discs on one axle, so that the robot would turn.
     """
     down = checked_directions(gravity_dir)
     recipe, stance = posture.recipe, posture.stance_of_weight()
-    k = int(stance.under(down)[0])
-    if k < 0:
-        return None
-    facet, direction = stance.facets[k], down[0]
-    if not all(recipe.contacts[i].rolling for i in facet.touching):
+    facet, direction = stance.under(down[0]), down[0]
+    if facet is None or not all(recipe.contacts[i].rolling for i in facet.touching):
         return None
     discs = [i for i in facet.touching if recipe.contacts[i].kind == "disc"]
     remainder = float(facet.normal @ direction) * facet.normal

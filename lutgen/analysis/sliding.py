@@ -181,22 +181,10 @@ def slide_limits(
 ) -> Floats:
     """Return the tilt in each heading from which on friction does not hold the robot.
 
-    Parameters
-    ----------
-    posture : Posture
-        Of a robot with a friction coefficient mu.
-    headings : (h,) array_like
-        Headings of the tilt in rad.
-    convention : {"body", "plane"}
-        What is tilted, see `tilt.level_frames`.
-    until : float
-        Tilt (rad) at which the search ends.
-
-    Returns
-    -------
-    (h,) float64
-        Radians: atan mu where the support facet is level in the body; a facet that is not shifts
-        it, to 0 where the robot slides on level ground already.  NaN where it does not slide.
+    The recipe has a friction coefficient mu; all angles are in rad, and `convention` says what is
+    tilted, see `tilt.level_frames`.  The limit (h,) is atan mu where the support facet is level in
+    the body; a facet that is not shifts it, to 0 where the robot slides on level ground already.
+    NaN where it does not slide before the tilt `until`.
     """
     recipe, row = posture.recipe, posture.row
     frame = level_frames(recipe, row, convention)[0]

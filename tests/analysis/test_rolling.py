@@ -79,16 +79,13 @@ def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is
 def test_without_brakes_a_cart_rolls_but_straight_across_and_braked_all_over_it_never_rolls() -> (
     None
 ):
-    for friction in (0.5, None):
-        free = parsed(ALL, friction)
-        down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
-        assert rolls(Posture(free, []), down).all()
-        assert not rolls(Posture(free, []), [[0.0, 0.0, -1.0]]).any()
+    down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
+    assert rolls(Posture(parsed(ALL, 0.5), []), down).all()
+    assert not rolls(Posture(parsed(ALL, 0.5), []), [[0.0, 0.0, -1.0]]).any()
     assert not rolls(Posture(parsed(()), []), tilted(0.65, np.linspace(0.0, 6.0, 40))).any()
     # Across them friction holds it up to atan 0.5.
     across = tilted([math.atan(0.5) - 1e-6, math.atan(0.5) + 1e-6], LEFT)
     assert rolls(Posture(parsed(ALL, 0.5), []), across).tolist() == [False, True]
-    assert rolls(Posture(parsed(ALL, None), []), across).tolist() == [False, False]
 
 
 def test_without_friction_brakes_hold_whatever_carries_load() -> None:
@@ -109,7 +106,7 @@ def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
     # The rear right wheel is braked and the others are balls: gravity has an arm about it.
     caster = parsed((0, 1, 2), None, ball=(0, 1, 2))
     assert rolls(Posture(caster, []), tilted(0.2, [0.0, LEFT, 1.0])).all()
-    # Straight from the brake to the com there is no arm: it hangs, or is balanced.
+    # Straight from the brake to the com there is no arm.
     away = math.atan2(0.4, 0.5)
     assert not rolls(Posture(caster, []), tilted(0.2, [away, away + math.pi])).any()
     assert rolls(Posture(caster, []), tilted(0.2, [away + 1e-3])).all()
@@ -123,7 +120,8 @@ def by_forces(posture: Posture, direction: Floats, load: Floats | None = None) -
     A linear programme over the forces themselves, and without a load over the normal forces, too;
     the circle of friction is a polygon of 360 sides inside it.
     """
-    facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
+    facet = posture.stance.under(direction)
+    assert facet is not None
     frame = facet.frame(direction)
     places, count = facet.touching_points @ frame.T, len(facet.touching)
     turns = np.arange(360) * (2.0 * math.pi / 360)
@@ -175,7 +173,8 @@ def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_th
     for posture in postures:
         for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
-            facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
+            facet = posture.stance.under(direction)
+            assert facet is not None
             every = held_share(posture, facet, direction)
             some = held_share(posture, facet, direction, "some")
             assert every <= some + 1e-10  # what a search misses
