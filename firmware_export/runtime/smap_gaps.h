@@ -15,7 +15,7 @@
 #define SMAP_SLIT 1e-5f      /* of the size: between edges that are nearer there is nothing */
 #define SMAP_LEANS 1e-6f     /* of the size: the ends of a gap are as far inside its sides, and no place is inside by less */
 #define SMAP_DOT 2e-6f       /* of the size: an edge that is shorter holds and bounds nothing of its own */
-#define SMAP_HALVES 3        /* rounds of Newton's method for the plane half-way over an arc */
+#define SMAP_HALVES 2        /* rounds of Newton's method for the plane half-way over an arc */
 
 /* Gravity on arrival, and by how much the com has sunk, for w = 0 and 1. */
 typedef struct {
@@ -69,10 +69,11 @@ static void smap_turn(const smap_turn_t *turn, float sign, const float g[3], flo
 
 /* Roll from one rest to another: gravity turns half-way and the rest of the way, back where sign is -1, and the com
  * sinks by the integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
-static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float sign, const float *const p[2],
-                      float (*m)[3], const float *const q[2], smap_landing_t *l)
+static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float sign, const float *const *p,
+                      float (*m)[3], const float *const *q, smap_landing_t *l)
 {
   uint8_t k, w;
+  SMAP_TWICE
   for (w = 0; w < 2; w++) {
     float half[3], amid[3], more[3], sunk = 0.0f;
     smap_turn(first, sign, p[w], half);
@@ -93,11 +94,11 @@ static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float
 }
 
 /* Cut the part `span` of the way down to what one edge of a rest holds; 0 where nothing is left.  S is times the length
- * of the edge, and 2 N + E times its square. */
+ * of the edge, N and E times its square. */
 static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
 {
   const float *const a = w->corner[e];
-  float u[3], in[2], y[2], au, uu, size, least, begin = 0.0f, last = 0.0f, t = 0.5f;
+  float u[3], in[2], y[2], spare[2], au, uu, size, t = 0.5f, begin = 0.0f, last = 0.0f;
   uint8_t k, pass;
   smap_minus(w->corner[smap_after(w, e)], a, u);
   uu = smap_dot(u, u);
@@ -106,11 +107,16 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
   }
   au = smap_dot(a, u);
   size = smap_root(uu);
-  least = 0.01f * uu * l->doubt;
+  SMAP_TWICE
   for (k = 0; k < 2; k++) {
+    const float above = uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k]), sunk = uu * l->sunk[k];
     in[k] = smap_dot(w->region->wall[e], l->g[k]) - size * l->doubt;
-    y[k] = 2.0f * (uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k])) + uu * l->sunk[k];
-    y[k] = y[k] > least ? y[k] : least; /* the com is below: as soon as it is inside it stays */
+    spare[k] = size * in[k] - (above + sunk > 0.0f ? above + sunk : 0.0f);
+    y[k] = 2.0f * above + sunk;
+    y[k] = y[k] > 0.01f * uu * l->doubt ? y[k] : 0.01f * uu * l->doubt; /* below the edge as soon as it is inside it stays */
+  }
+  if (spare[0] >= 0.0f && spare[1] >= 0.0f) { /* as c = 1 says already */
+    return 1;
   }
   for (pass = 0; pass < 2; pass++) { /* c of where it lets go is the best */
     const float c = 0.5f * smap_root((y[0] + t * (y[1] - y[0])) / (l->sunk[0] + t * (l->sunk[1] - l->sunk[0])));
@@ -134,22 +140,11 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
   return span[0] < span[1];
 }
 
-/* Whether an edge joins two rests that are one. */
-SMAP_INLINE int smap_is_joined(const smap_work_t *w, uint8_t e)
-{
-  float d[3];
-  if (w->twin[e] == SMAP_NONE) {
-    return 0;
-  }
-  smap_minus(w->normal[w->rest[e]], w->normal[w->rest[w->twin[e]]], d);
-  return smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
-}
-
 /* The edge behind e on the outline of the rests that are one with its own. */
 static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
 {
   uint8_t left = SMAP_MAX_CORNERS;
-  for (e = smap_after(w, e); left > 0 && smap_is_joined(w, e); left--) {
+  for (e = smap_after(w, e); left > 0 && w->joined[e]; left--) {
     e = smap_after(w, w->twin[e]);
   }
   return e;
@@ -171,44 +166,30 @@ static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, floa
   return left > 0;
 }
 
-/* How far inside the side of a gap at w, a wall through the com, the places are that are furthest in: a - b on one rest,
- * d - c on the other.  `sign`: -1 for the side at the end of its span. */
-static float smap_within(const float *const corner[4], float w, float sign, float (*place)[3])
+/* How far inside the side of a gap at w, a wall through the com, a place is: a - b on one rest, c - d on the other. */
+static float smap_within(const float *const corner[4], float w, const float place[3])
 {
-  float p[3], q[3], n[3], most = -SMAP_LARGEST;
-  uint8_t k;
+  float p[3], q[3], n[3];
   smap_mix(corner[0], corner[1], w, p);
-  smap_mix(corner[3], corner[2], w, q);
+  smap_mix(corner[2], corner[3], w, q);
   smap_minus(p, q, q); /* of places next to each other p x q would lose its digits */
   smap_cross(p, q, n);
-  (void)smap_unit(n);
-  for (k = 0; k < 3; k++) {
-    const float in = sign * smap_dot(n, place[k]);
-    most = in > most ? in : most;
-  }
-  return most;
+  return smap_unit(n) ? smap_dot(n, place) : SMAP_LARGEST;
 }
 
-/* Bring one side of a gap in, by the rule of Illinois, until no place of its curve is inside; 0 where that does not
- * happen.  The curve is that of one balance on the way over the arc: a parabola tells its places at each quarter. */
+/* Bring one side of a gap in, by the rule of Illinois, until the half-way place of its curve is not inside; 0 where that
+ * does not happen.  The curve is that of one balance on the way over the arc. */
 static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t side, float least, float span[2])
 {
   const float sign = side ? -1.0f : 1.0f, other = span[1 - side];
-  float place[3][3], begin[3], end[3], now, then;
-  uint8_t left, k;
-  smap_mix(corner[0], corner[1], span[side], begin);
-  smap_mix(corner[3], corner[2], span[side], end);
-  smap_mix(half[0], half[1], span[side], place[1]);
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    place[0][k] = 0.375f * begin[k] + 0.75f * place[1][k] - 0.125f * end[k];
-    place[2][k] = 0.375f * end[k] + 0.75f * place[1][k] - 0.125f * begin[k];
-  }
-  now = smap_within(corner, span[side], sign, place);
-  then = now > 0.0f ? smap_within(corner, other, sign, place) : 0.0f;
+  float place[3], now, then;
+  uint8_t left;
+  smap_mix(half[0], half[1], span[side], place);
+  now = sign * smap_within(corner, span[side], place);
+  then = now > 0.0f ? sign * smap_within(corner, other, place) : 0.0f;
   for (left = 3; now > 0.0f && left > 0; left--) {
     span[side] += (other - span[side]) * SMAP_STEP_IN * now / (now - then);
-    now = smap_within(corner, span[side], sign, place);
+    now = sign * smap_within(corner, span[side], place);
     then *= 0.5f; /* as that end stays */
   }
   return now <= least && span[0] < span[1];
@@ -223,7 +204,7 @@ static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4],
   smap_gap_t *const gap = &w->at->gap[k];
   float place[2][2][3];
   uint8_t side;
-  if (smap_is_full(w, SMAP_OF_GAPS, k, SMAP_MAX_GAPS)) {
+  if (SMAP_IS_FULL(w, SMAP_OF_GAPS, k, SMAP_MAX_GAPS)) {
     return 0;
   }
   gap->a = e;
@@ -232,7 +213,7 @@ static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4],
   gap->right = (uint8_t)(gap->left + 1u);
   for (side = 0; side < 2; side++) {
     smap_mix(corner[0], corner[1], span[side], place[side][0]);
-    smap_mix(corner[3], corner[2], span[side], place[side][1]);
+    smap_mix(corner[2], corner[3], span[side], place[side][1]);
   }
   for (side = 0; side < 2; side++) {
     float *const wall = w->region->wall[gap->left + side];
@@ -248,37 +229,46 @@ static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4],
   return 1;
 }
 
+/* Make one island of those of two rests: `island` is the least number of its rests. */
+static void smap_join(smap_work_t *w, uint8_t a, uint8_t b)
+{
+  const uint8_t p = w->island[a], q = w->island[b], least = p < q ? p : q, most = p < q ? q : p;
+  uint8_t r;
+  for (r = 0; r < w->at->rests; r++) {
+    w->island[r] = w->island[r] == most ? least : w->island[r];
+  }
+}
+
 /* Find what holds of the edge e between two rests. */
 SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
 {
   const uint8_t back = w->twin[e], end = smap_after(w, e), rear = smap_after(w, back);
   const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
-  const float *const corner[4] = {w->corner[e], w->corner[end], w->corner[back], w->corner[rear]};
-  const float *const here[2] = {corner[0], corner[1]}, *const there[2] = {corner[3], corner[2]};
+  const float *const corner[4] = {w->corner[e], w->corner[end], w->corner[rear], w->corner[back]};
   const float square = w->map->size * w->map->size;
   float half[2][3], amid[3], span[2] = {0.0f, 1.0f}, d[3], turned2;
   smap_turn_t turn[2];
   smap_landing_t l;
   uint8_t side;
-  int slit, one = smap_is_joined(w, e);
+  int slit, one = w->joined[e];
   smap_minus(from, to, d);
   turned2 = smap_dot(d, d);
   if (!one && !(turned2 <= w->map->rock_chord * w->map->rock_chord)) {
     return;
   }
-  smap_minus(corner[0], corner[3], half[0]);
-  smap_minus(corner[1], corner[2], half[1]);
+  smap_minus(corner[0], corner[2], half[0]);
+  smap_minus(corner[1], corner[3], half[1]);
   slit = smap_dot(half[0], half[0]) + smap_dot(half[1], half[1]) < SMAP_SLIT * SMAP_SLIT * square;
   if (!one) {
     l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
     smap_find_half(w, e, d, amid, half);
     smap_find_turn(from, amid, &turn[0]);
     smap_find_turn(amid, to, &turn[1]);
-    smap_roll(&turn[0], &turn[1], 1.0f, here, half, there, &l);
+    smap_roll(&turn[0], &turn[1], 1.0f, corner, half, corner + 2, &l);
     if (!smap_land(w, back, &l, span)) {
       return;
     }
-    smap_roll(&turn[1], &turn[0], -1.0f, there, half, here, &l);
+    smap_roll(&turn[1], &turn[0], -1.0f, corner + 2, half, corner, &l);
     if (!smap_land(w, e, &l, span)) {
       return;
     }
@@ -292,7 +282,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
       return;
     }
-  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) {
+  } else if (!slit && !SMAP_IS_FULL(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) {
     /* The strip between them has no sides of its own, but the walls beside e. */
     smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
     gap->a = e;
@@ -301,6 +291,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     gap->right = (uint8_t)(e > w->at->first[w->rest[e]] ? e - 1u : w->at->first[w->rest[e] + 1] - 1u);
   }
   w->at->nearly = one ? 1 : w->at->nearly;
+  smap_join(w, w->rest[e], w->rest[back]);
   w->low[e] = span[0];
   w->low[back] = 1.0f - span[1];
 }
@@ -338,12 +329,15 @@ static void smap_bound_rest(smap_work_t *w, uint8_t r)
   float a[3], b[3];
   uint8_t e;
   w->at->own[r] = w->at->arcs;
-  w->at->alone[r] = 1;
-  smap_way_to(w->corner[first], w->corner[first], 0.0f, a);
+  memcpy(a, w->corner[first], sizeof a);
+  (void)smap_unit(a);
   for (e = first; e < end; e++) {
     const uint8_t next = e + 1 < end ? (uint8_t)(e + 1) : first;
-    smap_way_to(w->corner[next], w->corner[next], 0.0f, b);
-    w->at->alone[r] = w->low[e] > 1.0f ? w->at->alone[r] : (uint8_t)0;
+    memcpy(b, w->corner[next], sizeof b);
+    (void)smap_unit(b);
+    if (!(w->low[e] > 1.0f)) {
+      w->at->own[r] = SMAP_NONE;
+    }
     smap_bound(w, e, a, b);
     memcpy(a, b, sizeof a);
   }
@@ -363,21 +357,6 @@ static void smap_bound_sides(smap_work_t *w, const smap_gap_t *gap)
   smap_add_arc(w, gap->right, q, p, w->contact[end], w->contact[end]);
 }
 
-/* Find the rests that gaps join: `island` is the least number of those of one. */
-static void smap_find_islands(smap_work_t *w)
-{
-  const uint8_t corners = w->at->first[w->at->rests];
-  uint8_t e, r;
-  for (e = 0; e < corners; e++) {
-    if (w->low[e] <= 1.0f && w->twin[e] > e) {
-      const uint8_t a = w->island[w->rest[e]], b = w->island[w->rest[w->twin[e]]];
-      for (r = 0; r < w->at->rests; r++) {
-        w->island[r] = w->island[r] == (a > b ? a : b) ? (a < b ? a : b) : w->island[r];
-      }
-    }
-  }
-}
-
 /* Scale the walls of all corners to length 1.  Rounding tells how the wall of a dot lies: it gets the next one. */
 static void smap_unit_walls(smap_work_t *w)
 {
@@ -386,16 +365,17 @@ static void smap_unit_walls(smap_work_t *w)
   uint8_t r, e;
   for (r = 0; r < w->at->rests; r++) {
     const uint8_t first = w->at->first[r], end = w->at->first[r + 1];
-    uint8_t next = SMAP_NONE; /* the first wall of all, and then the one behind e */
+    uint8_t next = SMAP_NONE, dots = 0; /* next: the first wall of all, and then the one behind e */
     for (e = end; e-- > first;) {
       if (smap_dot(wall[e], wall[e]) > least * least && smap_unit(wall[e])) {
         next = e;
       } else {
         memset(wall[e], 0, sizeof wall[e]);
+        dots = 1;
       }
     }
     w->full |= (uint8_t)(next == SMAP_NONE);
-    for (e = end; next != SMAP_NONE && e-- > first;) {
+    for (e = end; dots && next != SMAP_NONE && e-- > first;) {
       if (smap_dot(wall[e], wall[e]) > 0.0f) {
         next = e;
       } else {
@@ -417,7 +397,6 @@ static int smap_close(smap_work_t *w)
     }
   }
   smap_unit_walls(w);
-  smap_find_islands(w);
   for (i = 0; i < at->rests; i++) {
     const uint8_t from = at->arcs;
     if (w->island[i] != i) {

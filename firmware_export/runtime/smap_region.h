@@ -33,23 +33,22 @@ typedef struct {
 } smap_arc_t;
 
 /* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
- * that a rest belongs to, and `own` is the first of its own. */
+ * that a rest belongs to, and `own` is the first of its own if all of its edges are boundary, else SMAP_NONE. */
 typedef struct {
   uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one */
   uint8_t first[SMAP_MAX_RESTS + 1];     /* corner of each rest */
   uint8_t own[SMAP_MAX_RESTS], from[SMAP_MAX_RESTS], till[SMAP_MAX_RESTS];
-  uint8_t alone[SMAP_MAX_RESTS]; /* whether all of its edges are boundary */
   smap_gap_t gap[SMAP_MAX_GAPS];
   smap_arc_t arc[SMAP_MAX_ARCS];
 } smap_layout_t;
 
-/* The form for floats.  `plane` is n / h.  `amid` is the middle of an arc times the sine of half of it, `along` its
- * direction there times the cosine. */
+/* The form for floats.  `plane` is n / h.  Two vectors of `side` belong to each arc: its middle times the sine of half of
+ * it, and behind that its direction there times the cosine. */
 typedef struct {
   float guard; /* the sine that is taken off every distance */
   float plane[SMAP_MAX_RESTS][3], centre[SMAP_MAX_RESTS][3], height[SMAP_MAX_RESTS];
   float wall[SMAP_WALLS][3];
-  float amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
+  float side[2 * SMAP_MAX_ARCS][3];
 } smap_region_t;
 
 /* What is only needed while a pose is made. */
@@ -57,9 +56,11 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_AXLES][3]; /* zero for points and balls */
+  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
+  uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls; how many there are */
   float normal[SMAP_MAX_RESTS][3];
   float corner[SMAP_MAX_CORNERS][3], low[SMAP_MAX_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
+  uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
   uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
   uint8_t facets; /* that were looked at */
   uint8_t full;   /* whether there was no room for an arc: the pose has failed */
@@ -68,11 +69,12 @@ typedef struct {
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
 
-/* Whether there are as many of something as a map, or its pose, has room for. */
-SMAP_INLINE int smap_is_full(const smap_work_t *w, uint8_t what, uint8_t count, uint8_t most)
-{
-  return count >= most || count >= w->map->room[what];
-}
+/* Whether there are as many of something as a pose has room for.  A host has more, and keeps to what the map says. */
+#ifdef SMAP_HOST
+#define SMAP_IS_FULL(w, what, count, most) ((count) >= (w)->map->room[what] || (count) >= (most))
+#else
+#define SMAP_IS_FULL(w, what, count, most) ((count) >= (most))
+#endif
 
 SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
 {
@@ -241,8 +243,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!smap_is_accepted(w, n, height) || count < 3 || smap_is_full(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
-      smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_MAX_CORNERS)) {
+  if (!smap_is_accepted(w, n, height) || count < 3 || SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+      SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
   for (i = 0; i < w->map->contacts; i++) {
@@ -276,6 +278,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     w->contact[e] = id[i];
     w->rest[e] = r;
     w->twin[e] = SMAP_NONE;
+    w->joined[e] = 0;
     w->low[e] = 2.0f;
   }
   SMAP_THRICE
@@ -295,6 +298,9 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
 static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 {
   if (w->contact[a] == w->contact[smap_after(w, b)] && w->contact[b] == w->contact[smap_after(w, a)]) {
+    float d[3];
+    smap_minus(w->normal[w->rest[a]], w->normal[w->rest[b]], d);
+    w->joined[a] = w->joined[b] = smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
     w->twin[a] = b;
     w->twin[b] = a;
   }
@@ -304,16 +310,17 @@ static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 static void smap_add_arc(smap_work_t *w, uint8_t wall, const float a[3], const float b[3], uint8_t i, uint8_t j)
 {
   const uint8_t at = w->at->arcs;
-  float *const along = w->region->along[at], *const amid = w->region->amid[at];
-  float ratio;
+  float *const amid = w->region->side[2 * at], *const along = w->region->side[2 * at + 1];
+  float ratio, square;
   uint8_t k;
-  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
+  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
   smap_mix(a, b, 0.5f, amid); /* times the cosine of half of it */
   smap_minus(b, a, along);
-  ratio = smap_root(0.25f * smap_dot(along, along) / smap_dot(amid, amid));
+  square = 0.25f * smap_dot(along, along); /* of the sine of half of it */
+  ratio = smap_root(square / (1.0f - square));
   smap_cross(w->region->wall[wall], amid, along); /* at a right angle, however short it is */
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
