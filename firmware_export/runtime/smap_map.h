@@ -57,12 +57,14 @@ enum {
 #endif
 typedef const SMAP_FLASH uint8_t *smap_bytes_t;
 
-/* An export's own tables stand at the end of its file. */
+/* An export's own tables stand at the end of its file, and its arrays are as large as its map says; a host has more. */
 #ifdef SMAP_HOST
 #define SMAP_BLOB(map) ((smap_bytes_t)(map)->blob)
+#define SMAP_ROOM(room, most) ((room) < (most) ? (room) : (most))
 #else
 extern const SMAP_FLASH uint8_t SMAP_OWN_BLOB[SMAP_OWN_BYTES];
 #define SMAP_BLOB(map) ((void)(map), (smap_bytes_t)SMAP_OWN_BLOB)
+#define SMAP_ROOM(room, most) (most)
 #endif
 
 SMAP_ALWAYS uint16_t smap_u16(smap_bytes_t at)

@@ -11,7 +11,9 @@
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
 #include "smap_region.h"
+#include "smap_landing.h"
 #include "smap_gaps.h"
+#include "smap_boundary.h"
 
 /* Rests of discs and points on parallel axes: the history of a hull over pitch.
  *

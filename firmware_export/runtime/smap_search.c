@@ -9,7 +9,9 @@
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
 #include "smap_region.h"
+#include "smap_landing.h"
 #include "smap_gaps.h"
+#include "smap_boundary.h"
 
 #define SMAP_FLAT 1e-6f   /* of a disc that lies flatter, the square of the sine to its axle */
 #define SMAP_FACE 0.173658f  /* the sine of 10 deg: nearer to a plane's normal a carrying wheel's axle may not be, */
