@@ -48,10 +48,10 @@ def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
     (runtime/smap_pose.h, smap_region.h, smap_reading_i.h).  Addresses have up to 8 bytes.
     """
     walls = room.corners + 2 * room.gaps
-    layout = 5 + 5 * room.rests + 4 * room.gaps + 3 * room.arcs
+    layout = 5 + 4 * room.rests + 4 * room.gaps + 3 * room.arcs
     region = 4 * (1 + 7 * room.rests + 3 * walls + 6 * room.arcs)
-    floats = 4 * contacts + 3 * (contacts if discs else 1) + 3 * room.rests + 4 * room.corners
-    work = 24 + 4 * floats + 3 * room.corners + room.rests + 8
+    floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests + 4 * room.corners
+    work = 24 + 4 * floats + (contacts if discs else 1) + 4 * room.corners + room.rests + 8
     whole = 6 + 14 * room.rests + 6 * walls + 12 * room.arcs
     both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
     return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)

@@ -131,7 +131,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   own = off + most;
   off = smap_narrow(&limits, own, radius, lowest);
   if (swept->status == SMAP_OK) {
-    swept->status = smap_make_region(&limits, &swept->at, &swept->region, work);
+    swept->status = smap_make_region(&limits, smap_is_turned(map), &swept->at, &swept->region, work);
   }
   if (swept->status == SMAP_OK) {
     most = 0.0f;
@@ -256,7 +256,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
     for (i = 0; i < 3; i++) {
       at[i] = f[i] - t * to[i];
     }
-    if (smap_absolute(smap_dot(o->along[k], at)) - smap_dot(o->amid[k], at) <= beside * (1.0f + t)) {
+    if (smap_absolute(smap_dot(o->side[2 * k + 1], at)) - smap_dot(o->side[2 * k], at) <= beside * (1.0f + t)) {
       least = t;
     }
   }

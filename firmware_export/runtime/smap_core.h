@@ -55,6 +55,7 @@
 #define SMAP_SOME
 #endif
 #define SMAP_THRICE SMAP_COPIES("GCC unroll 3") /* three coordinates */
+#define SMAP_TWICE SMAP_COPIES("GCC unroll 2")  /* two ends */
 
 #if defined(__AVR__) && defined(__GNUC__) && __GNUC__ < 8
 /* avr-gcc 5 fails ("in get_use_type") where it improves loops over what lies in flash. */
@@ -64,14 +65,14 @@
 #define SMAP_PI 3.14159265f
 #define SMAP_LARGEST 3.402823466e+38f
 
-SMAP_INLINE uint32_t smap_bits(float x)
+SMAP_ALWAYS uint32_t smap_bits(float x)
 {
   uint32_t bits;
   memcpy(&bits, &x, sizeof bits);
   return bits;
 }
 
-SMAP_INLINE float smap_from_bits(uint32_t bits)
+SMAP_ALWAYS float smap_from_bits(uint32_t bits)
 {
   float x;
   memcpy(&x, &bits, sizeof x);
@@ -155,14 +156,14 @@ SMAP_PLAIN float smap_root_of(float x)
   return result;
 }
 
-SMAP_INLINE float smap_root(float x)
+SMAP_ALWAYS float smap_root(float x)
 {
   float result;
   SMAP_ROOT(result, x);
   return result;
 }
 
-SMAP_INLINE float smap_absolute(float x)
+SMAP_ALWAYS float smap_absolute(float x)
 {
   return SMAP_ABSOLUTE(x);
 }

@@ -25,7 +25,7 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
     return;
   }
   smap_limits(&map, &m);
-  if (SMAP_TRACKS > 1 && m.axis[1] != 1.0f) {
+  if (smap_is_turned(&map)) {
     smap_turn_back(&m, w->corner, pose.at.first[pose.at.rests]);
   }
   for (i = 0; i < pose.at.rests; i++, count[0]++) {
@@ -41,7 +41,7 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
     *out++ = m.named[w->contact[behind]];
   }
   for (i = 0; i < pose.at.arcs; i++, count[2]++) {
-    const float *const c = pose.region.amid[i], *const t = pose.region.along[i];
+    const float *const c = pose.region.side[2 * i], *const t = pose.region.side[2 * i + 1];
     const float wide = smap_root(smap_dot(c, c)), high = smap_root(smap_dot(t, t)); /* sine and cosine of half of it */
     for (end = 0; end < 2; end++) {
       for (k = 0; k < 3; k++) {

@@ -57,25 +57,27 @@ enum {
 #endif
 typedef const SMAP_FLASH uint8_t *smap_bytes_t;
 
-/* An export's own tables stand at the end of its file. */
+/* An export's own tables stand at the end of its file, and its arrays are as large as its map says; a host has more. */
 #ifdef SMAP_HOST
 #define SMAP_BLOB(map) ((smap_bytes_t)(map)->blob)
+#define SMAP_ROOM(room, most) ((room) < (most) ? (room) : (most))
 #else
 extern const SMAP_FLASH uint8_t SMAP_OWN_BLOB[SMAP_OWN_BYTES];
 #define SMAP_BLOB(map) ((void)(map), (smap_bytes_t)SMAP_OWN_BLOB)
+#define SMAP_ROOM(room, most) (most)
 #endif
 
-SMAP_INLINE uint16_t smap_u16(smap_bytes_t at)
+SMAP_ALWAYS uint16_t smap_u16(smap_bytes_t at)
 {
   return (uint16_t)(at[0] | at[1] << 8);
 }
 
-SMAP_INLINE uint32_t smap_u32(smap_bytes_t at)
+SMAP_ALWAYS uint32_t smap_u32(smap_bytes_t at)
 {
   return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-SMAP_INLINE float smap_f32(smap_bytes_t at)
+SMAP_ALWAYS float smap_f32(smap_bytes_t at)
 {
   return smap_from_bits(smap_u32(at));
 }

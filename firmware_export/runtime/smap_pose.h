@@ -61,21 +61,28 @@ SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap
     work->r[i] = !(flags & SMAP_ROUND)   ? 0.0f
                  : (flags & SMAP_SHARED) ? smap_f32(at.weights + 4 * at.radii[i])
                                          : smap_f32(at.radii + 4 * i);
-    if (SMAP_AXLES > 1) {
-      const int disc = smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS;
-      memset(work->axle[i], 0, sizeof work->axle[i]);
-      if (disc) {
-        memcpy(work->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof work->axle[i]);
-      }
+    if (SMAP_DISCS > 0) {
+      work->axle_of[i] = smap_body(map)[SMAP_IN_AXES] != 0 ? at.axis_of[i] : (uint8_t)SMAP_NO_AXIS;
     }
+  }
+  work->axles = 0;
+  if (SMAP_DISCS > 0) {
+    work->axles = smap_body(map)[SMAP_IN_AXES];
+    memcpy(work->axle, p + 3 * at.contacts, work->axles * sizeof work->axle[0]);
   }
   return SMAP_OK;
 }
 
-/* Turn what was found in the frame of the axis into the body's. */
-static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
+/* Whether the axis of all discs is not y; of its own map a compiler knows it. */
+SMAP_INLINE int smap_is_turned(const smap_t *map)
 {
-  uint8_t k;
+  return SMAP_TRACKS > 1 && smap_f32(smap_body(map) + SMAP_IN_MANY + 4) != 1.0f;
+}
+
+/* Turn what was found in the frame of the axis into the body's. */
+static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint16_t n)
+{
+  uint16_t k;
   for (k = 0; k < n; k++) {
     const float x = v[k][0], y = v[k][1];
     v[k][0] = x * m->axis[1] + y * m->axis[0];
@@ -83,8 +90,9 @@ static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
   }
 }
 
-/* Make the region of contacts that are placed; 0 where that fails, and then no direction stands. */
-static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_region_t *o, smap_work_t *work)
+/* Make the region of contacts that are placed, and turn it if the axis is not y; SMAP_TIPS where no direction stands. */
+static int8_t smap_make_region(const smap_limits_t *m, int turned, smap_layout_t *at, smap_region_t *o,
+                               smap_work_t *work)
 {
   work->map = m;
   work->at = at;
@@ -97,13 +105,12 @@ static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_r
     at->rests = 0;
     return SMAP_TIPS;
   }
-  if (SMAP_TRACKS > 1 && m->axis[1] != 1.0f) {
+  if (turned) {
     smap_turn_back(m, o->plane, at->rests);
     smap_turn_back(m, o->centre, at->rests);
     smap_turn_back(m, o->wall, at->first[at->rests]);
-    smap_turn_back(m, o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps));
-    smap_turn_back(m, o->amid, at->arcs);
-    smap_turn_back(m, o->along, at->arcs);
+    smap_turn_back(m, o->wall + SMAP_MAX_CORNERS, (uint16_t)(2u * at->gaps));
+    smap_turn_back(m, o->side, (uint16_t)(2u * at->arcs));
   }
   return at->rests != 0 ? (int8_t)SMAP_OK : (int8_t)SMAP_TIPS;
 }
@@ -117,7 +124,7 @@ SMAP_APART static int8_t smap_make(const smap_t *map, const float *params, smap_
     return status;
   }
   smap_limits(map, &m);
-  return smap_make_region(&m, at, o, work);
+  return smap_make_region(&m, smap_is_turned(map), at, o, work);
 }
 
 static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_reading_t *out)
@@ -228,6 +235,7 @@ static int smap_check_many(const smap_t *map)
   uint8_t i;
   if (contacts > SMAP_MAX_CONTACTS || contacts < 3 || tracks > SMAP_TRACKS || (tracks > 1) != (SMAP_TRACKS > 1) ||
       bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != 0 ||
+      (SMAP_DISCS > 0 && smap_body(map)[SMAP_IN_AXES] > SMAP_DISCS) ||
       (tracks != 0 && first[tracks] != contacts)) {
     return 0;
   }

@@ -5,12 +5,15 @@
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_RAILS
 #define SMAP_TRACKS SMAP_RAILS
-#define SMAP_AXLES 1
+#undef SMAP_DISCS
+#define SMAP_DISCS 0 /* whose axes differ */
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
 #include "smap_region.h"
+#include "smap_landing.h"
 #include "smap_gaps.h"
+#include "smap_boundary.h"
 
 /* Rests of discs and points on parallel axes: the history of a hull over pitch.
  *

@@ -58,7 +58,7 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
   float least = 1.0f;
   uint8_t k;
   for (k = from; k < till; k++) {
-    const float *const m = o->amid[k], *const t = o->along[k];
+    const float *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
     float away = side * smap_dot(o->wall[at->arc[k].wall], g), aside, ahead;
     if (!(away >= -SMAP_BEHIND)) {
       continue;
@@ -112,7 +112,7 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
       rate = smap_dot(o->plane[i], g);
     }
   }
-  if (tip >= 0.0f && at->alone[best]) {
+  if (tip >= 0.0f && at->own[best] != SMAP_NONE) {
     arc = (uint8_t)(at->own[best] + which - at->first[best]);
   } else {
     const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;

@@ -15,7 +15,7 @@ typedef struct {
   int16_t plane[SMAP_MAX_RESTS][3];
   int16_t centre[SMAP_MAX_RESTS][3]; /* in two steps of sdg */
   int16_t wall[SMAP_WALLS][3];
-  int16_t amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
+  int16_t side[2 * SMAP_MAX_ARCS][3];
 } smap_region_i_t;
 
 /* The nearest whole number of what is less than 2^22: the last digits of a sum whose last is worth 1. */
@@ -25,9 +25,10 @@ SMAP_INLINE int16_t smap_whole_i(float x)
 }
 
 /* Vectors of which no component is beyond 1 / scale, times 32767. */
-static void smap_scale_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
+static void smap_scale_i(const float (*from)[3], uint16_t n, float scale, int16_t (*to)[3])
 {
-  uint8_t i, k;
+  uint16_t i;
+  uint8_t k;
   for (i = 0; i < n; i++) {
     SMAP_THRICE
     for (k = 0; k < 3; k++) {
@@ -55,8 +56,7 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float s
   smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
   smap_scale_i(o->wall, at->first[at->rests], (float)SMAP_ONE_I, i->wall);
   smap_scale_i(o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_MAX_CORNERS);
-  smap_scale_i(o->amid, at->arcs, (float)SMAP_ONE_I, i->amid);
-  smap_scale_i(o->along, at->arcs, (float)SMAP_ONE_I, i->along);
+  smap_scale_i(o->side, (uint16_t)(2u * at->arcs), (float)SMAP_ONE_I, i->side);
   /* D = g 32767 least / (2 step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */
   factor = (float)SMAP_ONE_I * least * 0.5f / step;
   k = (uint8_t)(smap_bits(factor) >> 23);
@@ -117,7 +117,7 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o,
   uint32_t least = (length - 1u) * (length - 1u);
   uint8_t k;
   for (k = ends[0]; k < ends[1]; k++) {
-    const int16_t *const m = o->amid[k], *const t = o->along[k];
+    const int16_t *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
     const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
     uint32_t square = (uint32_t)away * (uint32_t)away;
     int32_t aside, ahead;
@@ -192,7 +192,7 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
       rate = smap_dot_i(o->plane[i], g);
     }
   }
-  if (tip >= 0 && at->alone[best]) {
+  if (tip >= 0 && at->own[best] != SMAP_NONE) {
     arc = tip < all ? (uint8_t)(at->own[best] + which - at->first[best]) : (uint8_t)SMAP_NONE;
   } else {
     const int rocks = tip < 0 && smap_is_in_gap_i(at, o, g), tips = tip < 0 && !rocks;

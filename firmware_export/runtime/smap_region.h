@@ -33,23 +33,22 @@ typedef struct {
 } smap_arc_t;
 
 /* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
- * that a rest belongs to, and `own` is the first of its own. */
+ * that a rest belongs to, and `own` is the first of its own if all of its edges are boundary, else SMAP_NONE. */
 typedef struct {
   uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one */
   uint8_t first[SMAP_MAX_RESTS + 1];     /* corner of each rest */
   uint8_t own[SMAP_MAX_RESTS], from[SMAP_MAX_RESTS], till[SMAP_MAX_RESTS];
-  uint8_t alone[SMAP_MAX_RESTS]; /* whether all of its edges are boundary */
   smap_gap_t gap[SMAP_MAX_GAPS];
   smap_arc_t arc[SMAP_MAX_ARCS];
 } smap_layout_t;
 
-/* The form for floats.  `plane` is n / h.  `amid` is the middle of an arc times the sine of half of it, `along` its
- * direction there times the cosine. */
+/* The form for floats.  `plane` is n / h.  Two vectors of `side` belong to each arc: its middle times the sine of half of
+ * it, and behind that its direction there times the cosine. */
 typedef struct {
   float guard; /* the sine that is taken off every distance */
   float plane[SMAP_MAX_RESTS][3], centre[SMAP_MAX_RESTS][3], height[SMAP_MAX_RESTS];
   float wall[SMAP_WALLS][3];
-  float amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
+  float side[2 * SMAP_MAX_ARCS][3];
 } smap_region_t;
 
 /* What is only needed while a pose is made. */
@@ -57,9 +56,11 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_AXLES][3]; /* zero for points and balls */
+  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
+  uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls; how many there are */
   float normal[SMAP_MAX_RESTS][3];
   float corner[SMAP_MAX_CORNERS][3], low[SMAP_MAX_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
+  uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
   uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
   uint8_t facets; /* that were looked at */
   uint8_t full;   /* whether there was no room for an arc: the pose has failed */
@@ -68,11 +69,8 @@ typedef struct {
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
 
-/* Whether there are as many of something as a map, or its pose, has room for. */
-SMAP_INLINE int smap_is_full(const smap_work_t *w, uint8_t what, uint8_t count, uint8_t most)
-{
-  return count >= most || count >= w->map->room[what];
-}
+/* Whether there are as many of something as a pose has room for. */
+#define SMAP_IS_FULL(w, what, count, most) ((count) >= SMAP_ROOM((w)->map->room[what], most))
 
 SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
 {
@@ -112,118 +110,7 @@ SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
   return e + 1 < w->at->first[r + 1] ? (uint8_t)(e + 1) : w->at->first[r];
 }
 
-/* Order the places p of some contacts around a plane, counter-clockwise as corners are, those inside left out; 0
- * where rounding lets no outline close. */
-static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_t count)
-{
-  uint8_t first = 0, k, placed = 0, at;
-  float most = -1.0f;
-  for (k = 1; k < count; k++) { /* the furthest from any is a corner */
-    float d[3];
-    smap_minus(p[k], p[0], d);
-    if (smap_dot(d, d) > most) {
-      most = smap_dot(d, d);
-      first = k;
-    }
-  }
-  at = first;
-  while (placed < count) {
-    uint8_t next = SMAP_NONE, j;
-    float in[3] = {0.0f, 0.0f, 0.0f}, d[3], size = 0.0f;
-    for (j = 0; j < 3; j++) { /* corners that are found come first */
-      const float x = p[placed][j];
-      p[placed][j] = p[at][j];
-      p[at][j] = x;
-    }
-    k = id[placed];
-    id[placed] = id[at];
-    id[at] = k;
-    for (k = 0; k < count; k++) {
-      float turn;
-      if (k == placed || (k < placed && k > 0)) {
-        continue;
-      }
-      smap_minus(p[k], p[placed], d);
-      turn = next == SMAP_NONE ? -1.0f : smap_dot(d, in);
-      if (turn < 0.0f || (turn <= 0.0f && smap_dot(d, d) > size)) {
-        next = k;
-        size = smap_dot(d, d);
-        smap_cross(d, n, in);
-      }
-    }
-    placed++;
-    if (next == 0 || next == SMAP_NONE) {
-      return next == 0 ? placed : 0;
-    }
-    at = next;
-  }
-  return 0;
-}
-
-/* Find the centroid of a triangle; 0 where it is not as wide as a rest: it is least wide across its longest side. */
-static int smap_measure_triangle(const smap_work_t *w, float (*p)[3], float centre[3])
-{
-  const float width = w->map->rest_width;
-  float a[3], b[3], in[3], longest, other, third;
-  uint8_t k;
-  smap_minus(p[1], p[0], a);
-  smap_minus(p[2], p[0], b);
-  smap_cross(b, a, in);
-  longest = smap_dot(a, a);
-  other = smap_dot(b, b);
-  third = longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
-  longest = other > longest ? other : longest;
-  longest = third > longest ? third : longest;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    centre[k] = p[0][k] + (a[k] + b[k]) * (1.0f / 3.0f);
-  }
-  other = smap_dot(in, in);
-  return other > 0.0f && other >= width * width * longest;
-}
-
-/* Find the area centroid of a polygon; 0 where it is not as wide as a rest in every direction. */
-static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count, float centre[3])
-{
-  const float width = w->map->rest_width;
-  float area = 0.0f;
-  uint8_t i, j, k;
-  centre[0] = centre[1] = centre[2] = 0.0f;
-  for (i = 0; i < count; i++) {
-    const uint8_t next = i + 1 < count ? (uint8_t)(i + 1) : 0;
-    float u[3], in[3], from, most = 0.0f;
-    smap_minus(p[next], p[i], u);
-    smap_cross(u, n, in);
-    from = smap_dot(p[i], in);
-    for (j = 0; j < count; j++) {
-      if (j != i && j != next) {
-        const float far = smap_dot(p[j], in) - from;
-        most = far > most ? far : most;
-      }
-    }
-    if (!(most > 0.0f && most * most >= width * width * smap_dot(u, u))) {
-      return 0;
-    }
-    if (i > 0 && next != 0) { /* a fan from corner 0 */
-      float a[3], b[3], part;
-      smap_minus(p[i], p[0], a);
-      smap_minus(p[next], p[0], b);
-      smap_cross(b, a, in);
-      part = smap_dot(in, n);
-      area += part;
-      SMAP_THRICE
-      for (k = 0; k < 3; k++) {
-        centre[k] += part * (a[k] + b[k]);
-      }
-    }
-  }
-  area = 1.0f / (3.0f * area);
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    centre[k] = p[0][k] + centre[k] * area;
-  }
-  return 1;
-}
+#include "smap_polygon.h"
 
 /* Whether the com is above a facet, and it faces down. */
 SMAP_INLINE int smap_is_accepted(const smap_work_t *w, const float n[3], float height)
@@ -241,8 +128,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!smap_is_accepted(w, n, height) || count < 3 || smap_is_full(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
-      smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_MAX_CORNERS)) {
+  if (!smap_is_accepted(w, n, height) || count < 3 || SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+      SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
   for (i = 0; i < w->map->contacts; i++) {
@@ -276,6 +163,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     w->contact[e] = id[i];
     w->rest[e] = r;
     w->twin[e] = SMAP_NONE;
+    w->joined[e] = 0;
     w->low[e] = 2.0f;
   }
   SMAP_THRICE
@@ -295,6 +183,9 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
 static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 {
   if (w->contact[a] == w->contact[smap_after(w, b)] && w->contact[b] == w->contact[smap_after(w, a)]) {
+    float d[3];
+    smap_minus(w->normal[w->rest[a]], w->normal[w->rest[b]], d);
+    w->joined[a] = w->joined[b] = smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
     w->twin[a] = b;
     w->twin[b] = a;
   }
@@ -304,16 +195,17 @@ static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 static void smap_add_arc(smap_work_t *w, uint8_t wall, const float a[3], const float b[3], uint8_t i, uint8_t j)
 {
   const uint8_t at = w->at->arcs;
-  float *const along = w->region->along[at], *const amid = w->region->amid[at];
-  float ratio;
+  float *const amid = w->region->side[2 * at], *const along = w->region->side[2 * at + 1];
+  float ratio, square;
   uint8_t k;
-  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
+  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
   smap_mix(a, b, 0.5f, amid); /* times the cosine of half of it */
   smap_minus(b, a, along);
-  ratio = smap_root(0.25f * smap_dot(along, along) / smap_dot(amid, amid));
+  square = 0.25f * smap_dot(along, along); /* of the sine of half of it */
+  ratio = smap_root(square / (1.0f - square));
   smap_cross(w->region->wall[wall], amid, along); /* at a right angle, however short it is */
   SMAP_THRICE
   for (k = 0; k < 3; k++) {

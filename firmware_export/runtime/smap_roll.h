@@ -32,13 +32,16 @@ typedef struct {
 /* Find where all contacts touch a plane, and which of them, but for three, is furthest below it; SMAP_NONE: none. */
 static uint8_t smap_survey(smap_search_t *s, const float n[3], uint8_t i, uint8_t j, uint8_t k, float noise)
 {
-  float most = noise * s->w->map->size, level;
+  float most = noise * s->w->map->size, level, reach[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
   uint8_t l, worst = SMAP_NONE;
+  for (l = 0; l < s->w->axles; l++) {
+    smap_reach(s->w->axle[l], n, reach[l]);
+  }
   smap_touch(s->w, i, n, s->there[i]);
   level = smap_dot(s->there[i], n);
   for (l = 0; l < s->w->map->contacts; l++) {
     float below;
-    smap_touch(s->w, l, n, s->there[l]);
+    smap_touch_by(s->w, l, smap_is_disc(s->w, l) ? reach[s->w->axle_of[l]] : n, s->there[l]);
     below = smap_dot(s->there[l], n) - level;
     if (l != i && l != j && l != k && below > most) {
       most = below;

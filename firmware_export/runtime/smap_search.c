@@ -5,12 +5,13 @@
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_SEARCH
 #define SMAP_TRACKS 1
-#define SMAP_AXLES (SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1)
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
 #include "smap_region.h"
+#include "smap_landing.h"
 #include "smap_gaps.h"
+#include "smap_boundary.h"
 
 #define SMAP_FLAT 1e-6f   /* of a disc that lies flatter, the square of the sine to its axle */
 #define SMAP_FACE 0.173658f  /* the sine of 10 deg: nearer to a plane's normal a carrying wheel's axle may not be, */
@@ -18,24 +19,38 @@
 
 SMAP_INLINE int smap_is_disc(const smap_work_t *w, uint8_t i)
 {
-  const float *const a = w->axle[SMAP_AXLES > 1 ? i : 0];
-  return SMAP_AXLES > 1 && (a[1] != 0.0f || a[0] != 0.0f || a[2] != 0.0f);
+  return SMAP_DISCS > 0 && w->axle_of[i] != SMAP_NO_AXIS;
+}
+
+/* Find where a disc of radius 1 about the origin touches the plane with normal n. */
+static void smap_reach(const float axle[3], const float n[3], float out[3])
+{
+  const float cosine = smap_dot(axle, n), flat = 1.0f - cosine * cosine;
+  const float size = 1.0f / smap_root(flat > SMAP_FLAT ? flat : SMAP_FLAT);
+  uint8_t k;
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = size * (n[k] - cosine * axle[k]);
+  }
+}
+
+/* Find where a contact touches a plane, from the reach of its disc, or the normal. */
+SMAP_INLINE void smap_touch_by(const smap_work_t *w, uint8_t i, const float reach[3], float out[3])
+{
+  uint8_t k;
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = w->p[i][k] + w->r[i] * reach[k];
+  }
 }
 
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3])
 {
-  const float *const a = w->axle[SMAP_AXLES > 1 ? i : 0];
-  float r = w->r[i], along = 0.0f;
-  uint8_t k;
+  float reach[3];
   if (smap_is_disc(w, i)) {
-    const float cosine = smap_dot(a, n), flat = 1.0f - cosine * cosine;
-    r = r / smap_root(flat > SMAP_FLAT ? flat : SMAP_FLAT);
-    along = r * cosine;
+    smap_reach(w->axle[w->axle_of[i]], n, reach);
   }
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + r * n[k] - (SMAP_AXLES > 1 ? along * a[k] : 0.0f);
-  }
+  smap_touch_by(w, i, smap_is_disc(w, i) ? reach : n, out);
 }
 
 /* Whether a contact is a wheel that lies on its face: nobody stands on that. */
@@ -47,7 +62,7 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
   if (!smap_is_disc(w, i)) {
     return 0;
   }
-  smap_cross(w->axle[SMAP_AXLES > 1 ? i : 0], n, across);
+  smap_cross(w->axle[w->axle_of[i]], n, across);
   return !(smap_dot(across, across) > least * least);
 }
 
@@ -163,7 +178,7 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
       alone |= smap_common(&s->facet[k], id, count) > 2;
     }
   }
-  if (smap_is_full(w, SMAP_OF_FACETS, s->facets, SMAP_MAX_FACETS)) {
+  if (SMAP_IS_FULL(w, SMAP_OF_FACETS, s->facets, SMAP_MAX_FACETS)) {
     return SMAP_NONE;
   }
   if (alone) {

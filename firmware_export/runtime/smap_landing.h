@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- landing: from where on an edge of two rests a robot that rolls stays on the rest it comes to ------ */
+/* A balance on the contacts i and j at an edge of two rests is a part w of the way from i to j.  Let go there the
+ * robot rolls to the one rest or the other, and lands: it stays if what its com has sunk by does not lift it over
+ * another edge of that rest.
+ *
+ *   On landing gravity lies S inside an edge, the com is N above the edge's line, and has sunk by E, all linear
+ *   in w.  The robot stays where S^2 >= E (2 N + E); as no geometric mean is above an arithmetic one, where
+ *   S >= (c E + (2 N + E) / c) / 2 for any c: what lets go of it is then one end of the way. */
+#define SMAP_ROUND_OFF 1e-6f /* of the size squared: what rounding may alter of S, N and E, */
+#define SMAP_SUNK 1.003f     /* and of E, of which a half-way place stands for a whole arc */
+#define SMAP_DOT 2e-6f       /* of the size: an edge that is shorter holds and bounds nothing of its own */
+#define SMAP_HALVES 2        /* rounds of Newton's method for the plane half-way over an arc */
+
+/* Gravity on arrival, and by how much the com has sunk, for w = 0 and 1. */
+typedef struct {
+  float g[2][3], sunk[2], doubt; /* doubt: length squared by which S, N and E may be off */
+} smap_landing_t;
+
+/* Find the plane that both contacts of an edge touch half-way between two normals, d apart, and where.  Newton's method
+ * takes the plane through the places where they touch the plane before. */
+static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], float n[3], float (*half)[3])
+{
+  const uint8_t i = w->contact[e], j = w->contact[smap_after(w, e)];
+  const float *const from = w->normal[w->rest[e]];
+  float v[3];
+  uint8_t left;
+  for (left = 0; left < 3; left++) {
+    n[left] = from[left] - 0.5f * d[left];
+  }
+  (void)smap_unit(n);
+  for (left = SMAP_HALVES; left > 0; left--) {
+    smap_touch(w, i, n, half[0]);
+    smap_touch(w, j, n, half[1]);
+    smap_minus(half[0], half[1], v);
+    smap_cross(v, d, n);
+    (void)smap_unit(n);
+  }
+}
+
+/* The least rotation from unit vector a to b: its axis times the sine, and 1 / (1 + cosine). */
+typedef struct {
+  float axis[3], share;
+} smap_turn_t;
+
+static void smap_find_turn(const float a[3], const float b[3], smap_turn_t *turn)
+{
+  smap_cross(a, b, turn->axis);
+  turn->share = 1.0f / (1.0f + smap_dot(a, b));
+}
+
+/* By how much a rotation, or with sign -1 the one back, turns g. */
+static void smap_turn(const smap_turn_t *turn, float sign, const float g[3], float out[3])
+{
+  float across[3];
+  uint8_t k;
+  smap_cross(turn->axis, g, across);
+  smap_cross(turn->axis, across, out);
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = sign * across[k] + turn->share * out[k];
+  }
+}
+
+/* Roll from one rest to another: gravity turns half-way and the rest of the way, back where sign is -1, and the com
+ * sinks by the integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
+static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float sign, const float *const *p,
+                      float (*m)[3], const float *const *q, smap_landing_t *l)
+{
+  uint8_t k, w;
+  SMAP_TWICE
+  for (w = 0; w < 2; w++) {
+    float half[3], amid[3], more[3], sunk = 0.0f;
+    smap_turn(first, sign, p[w], half);
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      amid[k] = p[w][k] + half[k];
+    }
+    smap_turn(second, sign, amid, more);
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) { /* from p on, lest a small rise loses its digits */
+      const float via = m[w][k] - p[w][k], to = q[w][k] - p[w][k], end = half[k] + more[k];
+      sunk += (2.0f / 3.0f) * (half[k] * to - end * via) - end * (p[w][k] + 0.5f * to);
+      l->g[w][k] = p[w][k] + end;
+    }
+    l->sunk[w] = SMAP_SUNK * sunk + l->doubt;
+    l->sunk[w] = l->sunk[w] > 0.5f * l->doubt ? l->sunk[w] : 0.5f * l->doubt;
+  }
+}
+
+/* Cut the part `span` of the way down to what one edge of a rest holds; 0 where nothing is left.  S is times the length
+ * of the edge, N and E times its square. */
+static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
+{
+  const float *const a = w->corner[e];
+  float u[3], in[2], y[2], spare[2], au, uu, size, t = 0.5f, begin = 0.0f, last = 0.0f;
+  uint8_t k, pass;
+  smap_minus(w->corner[smap_after(w, e)], a, u);
+  uu = smap_dot(u, u);
+  if (!(uu > SMAP_DOT * SMAP_DOT * w->map->size * w->map->size)) {
+    return 1;
+  }
+  au = smap_dot(a, u);
+  size = smap_root(uu);
+  SMAP_TWICE
+  for (k = 0; k < 2; k++) {
+    const float above = uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k]), sunk = uu * l->sunk[k];
+    in[k] = smap_dot(w->region->wall[e], l->g[k]) - size * l->doubt;
+    spare[k] = size * in[k] - (above + sunk > 0.0f ? above + sunk : 0.0f);
+    y[k] = 2.0f * above + sunk;
+    y[k] = y[k] > 0.01f * uu * l->doubt ? y[k] : 0.01f * uu * l->doubt; /* below the edge as soon as it is inside it stays */
+  }
+  if (spare[0] >= 0.0f && spare[1] >= 0.0f) { /* as c = 1 says already */
+    return 1;
+  }
+  for (pass = 0; pass < 2; pass++) { /* c of where it lets go is the best */
+    const float c = 0.5f * smap_root((y[0] + t * (y[1] - y[0])) / (l->sunk[0] + t * (l->sunk[1] - l->sunk[0])));
+    const float d = 0.25f / c;
+    begin = in[0] - c * l->sunk[0] - d * y[0];
+    last = in[1] - c * l->sunk[1] - d * y[1];
+    if ((begin < 0.0f) == (last < 0.0f)) {
+      break;
+    }
+    t = begin / (begin - last);
+  }
+  if (!(begin >= 0.0f || last >= 0.0f)) {
+    return 0;
+  }
+  if (!(begin >= 0.0f) && !(t <= span[0])) {
+    span[0] = t;
+  }
+  if (!(last >= 0.0f) && !(t >= span[1])) {
+    span[1] = t;
+  }
+  return span[0] < span[1];
+}
+
+/* The edge behind e on the outline of the rests that are one with its own. */
+static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
+{
+  uint8_t left = SMAP_MAX_CORNERS;
+  for (e = smap_after(w, e); left > 0 && w->joined[e]; left--) {
+    e = smap_after(w, w->twin[e]);
+  }
+  return e;
+}
+
+/* Cut `span` down to what the rest holds that the robot comes to over its edge `came`; 0 where nothing is left. */
+static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, float span[2])
+{
+  const float doubt = l->doubt;
+  uint8_t left = SMAP_MAX_CORNERS, e;
+  for (e = smap_onward(w, came); e != came && left > 0; e = smap_onward(w, e), left--) {
+    /* Rests that are one have planes of their own. */
+    l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * w->map->size * w->map->size;
+    if (!smap_hold(w, e, l, span)) {
+      return 0;
+    }
+  }
+  l->doubt = doubt;
+  return left > 0;
+}
