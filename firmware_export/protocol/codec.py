@@ -97,6 +97,19 @@ class Codec(ABC):
     def read_label(self, label: str) -> Any:
         """Return the size with a label."""
 
+    def export(
+        self,
+        model: Model,
+        name: str,
+        channels: tuple[str, ...],
+        arithmetic: str = "float",
+        spec: Any = None,
+    ) -> "Export":
+        """Return an export that is not certified, of the smallest size or a given one."""
+        spec = self.sizes(model, channels)[0] if spec is None else spec
+        tables = self.encode(model, channels, spec)
+        return Export(name, model.recipe, model, self.name, arithmetic, channels, tables)
+
     def exact(self, model: Model) -> bool:
         """Return whether no other codec need be tried if this one will do."""
         return False
