@@ -16,7 +16,7 @@ import numpy as np
 from firmware_export.codecs import usable
 from firmware_export.control import Wishes, steered
 from firmware_export.host import BLIND, ESCAPES, Controller, budget
-from firmware_export.protocol import Blob, Export, Policy, describe
+from firmware_export.protocol import Blob, Policy, describe
 from firmware_export.truth import Model
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
@@ -63,10 +63,7 @@ def robot(name: str, codec: str = "contacts", **wishes: Any) -> Steered:
     """Return a robot of the gallery, its export not certified, with a policy."""
     model = Model(load_recipe(GALLERY / f"{name}.toml"))
     info = usable(model, "float", codec)[0]
-    channels = ("tip_angle",)
-    tables = info.encode(model, channels, info.sizes(model, channels)[0])
-    export = Export(name, model.recipe, model, info.name, "float", channels, tables)
-    export, found = steered(export, Wishes(**wishes))
+    export, found = steered(info.export(model, name, ("tip_angle",)), Wishes(**wishes))
     return Steered(model, describe(export), found.policy)
 
 

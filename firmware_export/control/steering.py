@@ -166,9 +166,7 @@ def steering_of(recipe: Recipe, wishes: Wishes, codec: str = "contacts") -> Stee
     """
     model = Model(recipe)
     info = usable(model, "float", codec)[0]
-    tables = info.encode(model, CHANNELS, info.sizes(model, CHANNELS)[0])
-    export = Export(default_name(recipe.name), recipe, model, info.name, "float", CHANNELS, tables)
-    export, found = steered(export, wishes)
+    export, found = steered(info.export(model, default_name(recipe.name), CHANNELS), wishes)
     blob = describe(export)
     packed = found.policy.packed(blob.bytes)
     rates = np.array([joint.rate for joint in found.policy.joints]) / wishes.cycle

@@ -49,7 +49,7 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
         folder = Path(place)
         sources = {file: text for file, text in files.items() if file.endswith((".c", ".h"))}
         try:
-            for file, text in (sources | {"probe.c": PROBE.format(name).encode()}).items():
+            for file, text in (sources | {"_probe.c": PROBE.format(name).encode()}).items():
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 (folder / file).write_bytes(text)
         except OSError as error:
@@ -57,7 +57,7 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
                 f"{name}: what was written cannot be tried (got {error.strerror or error} in "
                 f"{folder.parent}); make room there, or set TMPDIR to a folder that has."
             ) from error
-        probe = ["-w", "-fno-builtin", "probe.c", "-lm", "-o", "probe"]
+        probe = ["-w", "-fno-builtin", "_probe.c", "-lm", "-o", "_probe"]
         if _run([*words, *probe], folder, name).returncode == 0:
             raise ExportError(
                 f"{name}: the C library of this machine has a function of this name (got "

@@ -1,7 +1,4 @@
-"""The tables that a page is asked with: those of an export, or made for the page.
-
-Owns where they come from and what is told of them.
-"""
+"""The tables that a page is asked with: those of an export, or made for the page."""
 
 import math
 from dataclasses import dataclass
@@ -37,10 +34,9 @@ class Answers:
 def answers_of_recipe(recipe: Recipe) -> Answers:
     """Return tables of the codec that needs no search; refuse a robot that the page cannot hold."""
     drawn, info, model = _drawn(recipe), codec(QUICK), Model(recipe)
-    tables = info.encode(model, EXPORTABLE, info.sizes(model, EXPORTABLE)[0])
-    export = Export("explored", recipe, model, info.name, "float", EXPORTABLE, tables)
-    blob = describe(export)
-    return Answers(blob, drawn, f"codec {QUICK}, made for this page", float(tables.guard))
+    export = info.export(model, "explored", EXPORTABLE)
+    guard = float(export.tables.guard)
+    return Answers(describe(export), drawn, f"codec {QUICK}, made for this page", guard)
 
 
 def answers_of_export(folder: ExportFolder) -> Answers:

@@ -26,7 +26,7 @@ class Tables(ABC):
     guard_text : str
         How it was bounded, one sentence.
     tested : bool
-        Whether nothing but many points says that it is never falsely safe.
+        Whether a test on many points, and no bound, says that it is never falsely safe.
     """
 
     spec: Any
@@ -48,11 +48,11 @@ class Tables(ABC):
         return None
 
     def guarded(self, guard: float) -> Self | None:
-        """Return the tables with a larger guard (rad), None where that would prove nothing."""
+        """Return the tables with a larger guard (rad), None if that would prove nothing."""
         return None
 
     def lowered(self, params: Floats, gravity: Floats, seed: int) -> Self:
-        """Return tested tables that call none of some points (n, k) and (n, 3) safe."""
+        """Return tested tables that call no point of (n, k) and (n, 3) safe."""
         return self
 
 
@@ -97,8 +97,21 @@ class Codec(ABC):
     def read_label(self, label: str) -> Any:
         """Return the size with a label."""
 
+    def export(
+        self,
+        model: Model,
+        name: str,
+        channels: tuple[str, ...],
+        arithmetic: str = "float",
+        spec: Any = None,
+    ) -> "Export":
+        """Return an export that is not certified, of the smallest size or a given one."""
+        spec = self.sizes(model, channels)[0] if spec is None else spec
+        tables = self.encode(model, channels, spec)
+        return Export(name, model.recipe, model, self.name, arithmetic, channels, tables)
+
     def exact(self, model: Model) -> bool:
-        """Tell whether no other codec need be tried where this one will do."""
+        """Return whether no other codec need be tried if this one will do."""
         return False
 
 

@@ -1,7 +1,7 @@
-"""Whether the facet of three contacts is a rest in every posture, and how short an edge can be.
+"""Bound how short an edge of three contacts can be, and tell if their facet is always a rest.
 
-Both questions divide the box into cells, compute at the cells' middles and add what a function
-can change on the way to a cell's rim, from `series.steepest`.
+Both divide the box into cells, compute at the cells' middles and add what a function can change on
+the way to a cell's rim, from `series.steepest`.
 
 The three contacts P1, P2, P3, seen from the com, span a cone; E_i = P_i x P_(i+1) are its inward
 edge normals, E_1 + E_2 + E_3 is the facet's normal, outward, and V = E_1 . P3 > 0 says that the com
@@ -36,7 +36,7 @@ def least_edge_of(model: Model) -> float:
         return 0.0
     series = expand(widened(model))
     accept = acceptance_of(model.recipe)
-    # Where nobody asks how far the robot rolls, a stage is as good as a rest.
+    # Without a limit of rocking there is none of the width of a rest either.
     width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
     if series is None or not carries_everywhere(series, accept.steepest, width):
         return 0.0

@@ -1,7 +1,4 @@
-"""The tip-over boundary: where directions of gravity stop to stand, found to a rounding.
-
-Tables err most beside it, and nowhere else can a verdict be wrong by little.
-"""
+"""Find directions beside the tip-over boundary, where tables err most."""
 
 import numpy as np
 

@@ -5,7 +5,6 @@ import pytest
 
 from firmware_export.grid import lookup
 from firmware_export.grid.points import bounds, reach_of
-from firmware_export.protocol import Export
 from firmware_export.truth.model import Model
 from firmware_export.truth.rest import least_edge_of
 from lutgen.recipe import load_recipe
@@ -18,8 +17,8 @@ def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard
 ) -> None:
     model = Model(load_recipe("maps/paper_two.toml"))
     channels = ("sdg", "tip_angle", "height")
-    tables = lookup.INFO.encode(model, channels, lookup.Spec.of_label(label))
-    export = Export("table", model.recipe, model, "grid", "float", channels, tables)
+    spec = lookup.Spec.of_label(label)
+    export = lookup.INFO.export(model, "table", channels, spec=spec)
     rng = np.random.default_rng(8)
     params = model.at(rng.random((60_000, model.k))).astype(np.float32)
     u, v = rng.uniform(-1.0, 1.0, (2, 60_000)) * model.chart_limit
@@ -29,4 +28,4 @@ def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard
     off = (said - exact.tip_angle[:, 0])[said >= 0.0].max()
     wide, unit = bounds(model)
     misplaced = 2.0 * lookup.MISPLACED * unit * reach_of(wide) / least_edge_of(model)
-    assert off <= tables.guard < 1.3 * off + 1.1 * misplaced
+    assert off <= export.tables.guard < 1.3 * off + 1.1 * misplaced

@@ -37,8 +37,7 @@ EFFORT = Effort(12_000, 20, 12)
 def export_of(name: str, error: float | None = None) -> Export:
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
-    tables = contacts.INFO.encode(model, EXPORTABLE, spec)
-    return Export("robot", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
+    return contacts.INFO.export(model, "robot", EXPORTABLE, spec=spec)
 
 
 def host_of(export: Export) -> Host:
@@ -162,8 +161,7 @@ def test_positions_of_a_robot_without_parameters_are_constants() -> None:
         return np.repeat(contacts_, len(q), axis=0), np.repeat(com, len(q), axis=0)
 
     model = Model(replace(recipe, parameters=(), function=still, home=None))
-    tables = contacts.INFO.encode(model, EXPORTABLE, contacts.INFO.sizes(model)[0])
-    one = Export("robot", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
+    one = contacts.INFO.export(model, "robot", EXPORTABLE)
     assert device(one).read(np.zeros((1, 0)), [[0.02, 0.0, -1.0]])[0][0] == OK
     assert off_at(one, np.zeros((1, 0), np.float32)).max() < 1e-6
 

@@ -30,10 +30,7 @@ def recipe_of(name: str) -> Recipe:
 
 
 def export_of(name: str) -> Export:
-    recipe = recipe_of(name)
-    model = Model(recipe)
-    tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
-    return Export("robot", recipe, model, "contacts", "float", EXPORTABLE, tables)
+    return contacts.INFO.export(Model(recipe_of(name)), "robot", EXPORTABLE)
 
 
 def places(recipe: Recipe, count: int, seed: int) -> NDArray[np.float32]:
@@ -151,10 +148,7 @@ def test_axles_may_point_either_way(axle: tuple[float, float, float]) -> None:
             ),
             head="rock_angle = 30\nupright = 80",
         )
-        recipe = parse_recipe(text)
-        model = Model(recipe)
-        tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
-        export = Export("robot", recipe, model, "contacts", "float", EXPORTABLE, tables)
+        export = contacts.INFO.export(Model(parse_recipe(text)), "robot", EXPORTABLE)
         return export, describe(export).bytes
 
     export, forth = blob(1.0)

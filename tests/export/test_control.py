@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from firmware_export.codecs import usable
+from firmware_export.contacts import INFO as contacts
 from firmware_export.control.table import polished
 from firmware_export.host import BLIND, Controller
-from firmware_export.protocol import Export, Joint, Policy, describe
+from firmware_export.protocol import Joint, Policy, describe
 from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
@@ -189,9 +189,7 @@ def test_the_driver_is_followed_within_delta() -> None:
 def crawler() -> Steered:
     """Return absolem with a policy that was not looked for: ways alone are asked."""
     model = Model(load_recipe(GALLERY / "absolem.toml"))
-    info = usable(model, "float", "contacts")[0]
-    tables = info.encode(model, ("tip_angle",), info.sizes(model, ("tip_angle",))[0])
-    export = Export("absolem", model.recipe, model, info.name, "float", ("tip_angle",), tables)
+    export = contacts.export(model, "absolem", ("tip_angle",))
     joints = [Joint(0.0, 1e-3, 0.0314, 6.28, 0.00314, 0.354, 0.0045, x) for x in (1.35, 1.11)]
     policy = Policy(
         np.zeros((2, 2, 2), np.uint8), 1.0, tuple(joints), 0.02, 0.06, 0.05, (0.3, 0.2, 0.1), 0.5

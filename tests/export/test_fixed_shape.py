@@ -8,7 +8,6 @@ import pytest
 
 from firmware_export.codecs import usable
 from firmware_export.emit import package
-from firmware_export.protocol import Export
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
@@ -37,8 +36,7 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
     model = Model(parse_recipe(text))
     one = usable(model, arithmetic, codec)[0]
     with few_points():
-        tables = one.encode(model, EXPORTABLE, one.sizes(model, EXPORTABLE)[0])
-    export = Export("rigid", model.recipe, model, codec, arithmetic, EXPORTABLE, tables)
+        export = one.export(model, "rigid", EXPORTABLE, arithmetic)
     package.write(export, tmp_path / "rigid")
 
     # Many contacts take a compiler seconds.

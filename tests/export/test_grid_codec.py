@@ -58,8 +58,8 @@ def truth(model: Model, params: NDArray[np.float32], gravity: NDArray[np.float32
 
 @pytest.fixture(scope="module", params=["float", "integer"])
 def looked_up(request: pytest.FixtureRequest, model: Model) -> Export:
-    tables = lookup.INFO.encode(model, EXPORTABLE, lookup.Spec(16, ((1, 7), (7, 1), (1, 1))))
-    return Export("two", model.recipe, model, "grid", request.param, EXPORTABLE, tables)
+    spec = lookup.Spec(16, ((1, 7), (7, 1), (1, 1)))
+    return lookup.INFO.export(model, "two", EXPORTABLE, request.param, spec)
 
 
 def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in_every_direction(
@@ -243,8 +243,8 @@ def test_lowered_codes_read_no_point_above_its_truth() -> None:
 
 def trained(text: str, nodes: int, channels: tuple[str, ...] = ("sdg", "tip_angle")) -> Export:
     model = Model(parse_recipe(text))
-    tables = table.INFO.encode(model, channels, table.Spec(fit.learn(model).shape(nodes)))
-    return Export("robot", model.recipe, model, "grid", "integer", channels, tables)
+    spec = table.Spec(fit.learn(model).shape(nodes))
+    return table.INFO.export(model, "robot", channels, "integer", spec)
 
 
 @pytest.mark.parametrize("chart", ["cone", "sphere"])

@@ -260,9 +260,7 @@ joint = { type = "revolute", axis = [0, 1, 0], parameter = "arm" }
 
 def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
     model = Model(turning())
-    export = tripod_export()
-    tables = INFO.encode(model, ("sdg", "tip_angle"), INFO.sizes(model)[0])
-    export = Export("arm", model.recipe, model, "contacts", "float", ("sdg", "tip_angle"), tables)
+    export = INFO.export(model, "arm", ("sdg", "tip_angle"))
     host = host_of(export)
     rng = np.random.default_rng(3)
     params = rng.uniform(-60.0, 60.0, (3000, 1)).astype(np.float32)
@@ -288,8 +286,7 @@ def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
 def test_the_reading_names_the_two_contacts_over_which_it_would_tip() -> None:
     recipe = load_recipe("maps/paper_two.toml")
     model = Model(recipe)
-    tables = INFO.encode(model, ("tip_angle",), INFO.sizes(model)[0])
-    host = host_of(Export("two", recipe, model, "contacts", "float", ("tip_angle",), tables))
+    host = host_of(INFO.export(model, "two", ("tip_angle",)))
     params = model.at(np.full((1, 2), 0.5)).astype(np.float32)
     points = forward(recipe, params).centres[0]
     middle = points.mean(axis=0)

@@ -242,7 +242,7 @@ def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Pa
 
 
 def test_a_name_that_is_accepted_compiles_and_runs() -> None:
-    for name in ("out", "params", "dot", "pose", "status", "PI2", "q", "x", "at", "blob", "three"):
+    for name in ("out", "params", "dot", "pose", "status", "PI2", "q", "x", "f", "probe", "read_i"):
         assert check_name(name) == name
         files = package.contents(tripod_export(name))[0]
         assert "compiled and run" in try_out(files, name), name

@@ -23,9 +23,7 @@ OK, TIPS = 0, 2
 
 def export_of(name: str) -> Export:
     recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
-    model = Model(recipe)
-    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model)[0])
-    return Export(name, recipe, model, "contacts", "float", ("tip_angle",), tables)
+    return contacts.export(Model(recipe), name, ("tip_angle",))
 
 
 def with_room(export: Export, **numbers: int) -> Export:
@@ -105,9 +103,7 @@ def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) 
     recipe = lutgen.parse_recipe(
         text + '[sweep.gravity]\nchart = "sphere"\nnodes = 3\nchannels = ["tip_angle"]\n'
     )
-    model = Model(recipe)
-    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model)[0])
-    export = Export("hung", recipe, model, "contacts", "float", ("tip_angle",), tables)
+    export = contacts.export(Model(recipe), "hung", ("tip_angle",))
     package.write(export, tmp_path / "out")
     words = "gcc -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -c hung.c"
     done = subprocess.run(words.split(), cwd=tmp_path / "out", capture_output=True, text=True)

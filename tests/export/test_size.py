@@ -1,7 +1,5 @@
 """The measured sizes of the runtime."""
 
-import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -50,17 +48,3 @@ def test_no_export_that_was_counted_takes_more_than_its_family() -> None:
         codec = row["export"]["spec"].split()[0]
         most = max(ROWS[family]["code"] for family in families[codec])
         assert row["m4f -Os"]["code"] <= most, name
-
-
-@pytest.mark.needs(size_measure.BOARD.tool)
-def test_an_update_rewrites_the_file_that_exports_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(size_measure, "SIZES", tmp_path / "sizes.json")
-    monkeypatch.setattr(size_measure, "EXPORTS", {"grid": size_measure.EXPORTS["grid"]})
-    page = tmp_path / "page.md"
-    shutil.copy(size_measure.PAGE, page)
-    monkeypatch.setattr(size_measure, "PAGE", page)
-    assert size_measure.main(["--update"]) == 0
-    assert set(json.loads((tmp_path / "sizes.json").read_text())["rows"]) == {"grid"}
-    assert "| grid | " in page.read_text("utf-8")
