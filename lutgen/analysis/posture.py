@@ -27,7 +27,6 @@ from lutgen.support import (
     Region,
     empty_region,
     pack,
-    seat_beyond,
     seat_under,
     stand,
     support_contact,
@@ -47,9 +46,8 @@ class Facet:
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
     in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
-    inside, and `touching_points` (t, 3) theirs.  `beyond` are the indices of the accepted facets
-    onto which it rolls over the side that begins at each corner, -1 for none.  Only on one that
-    `is_rest` the robot stands.  Body frame, recipe's unit.
+    inside, and `touching_points` (t, 3) theirs.  Only on one that `is_rest` the robot stands.  Body
+    frame, recipe's unit.
     """
 
     normal: Floats
@@ -59,7 +57,6 @@ class Facet:
     centroid: Floats
     touching: tuple[int, ...]
     touching_points: Floats
-    beyond: tuple[int, ...]
     is_rest: bool
 
     @property
@@ -198,7 +195,6 @@ def _facet(region: Region, k: int) -> Facet:
         seat["centroid"].copy(),
         tuple(int(source[i]) for i in (*corners, *others)),
         np.vstack([points, np.array(inner).reshape(-1, 3)]),
-        tuple(seat_beyond(region, e) for e in edges),
         bool(seat["is_rest"]),
     )
 

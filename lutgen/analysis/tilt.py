@@ -41,17 +41,7 @@ EQUAL = 1e-12
 
 
 def tilted(tilt: ArrayLike, heading: ArrayLike) -> Floats:
-    """Return gravity directions at a tilt and a heading.
-
-    Parameters
-    ----------
-    tilt, heading : array_like
-        Radians, of shapes that broadcast to one shape.
-
-    Returns
-    -------
-    (..., 3) float64
-        Unit vectors in the body frame, pointing down.
+    """Return gravity directions (..., 3), unit, at tilts and headings (rad) of one shape (...).
 
     Examples
     --------
@@ -80,21 +70,10 @@ def tilt_limits(
 ) -> Floats:
     """Return the largest tilt before tip-over in each heading.
 
-    Parameters
-    ----------
-    recipe : Recipe
-    params : (k,) or (m, k) array_like
-        One posture or several, rad or length.
-    headings : (h,) array_like
-        Headings of the tilt in rad.
-    convention : {"body", "plane"}
-        Whether body or ground is tilted from level.
-
-    Returns
-    -------
-    (h,) or (m, h) float64
-        Radians: the robot stands at every tilt from 0 up to it.  0 where it tips on level ground
-        already, pi where it never tips.
+    The robot stands at every tilt from 0 up to the limit (rad): (h,) for headings (h,), rad, and
+    one posture (k,), or (m, h) for several (m, k).  0 where it tips on level ground already, pi
+    where it never tips.  `convention` says whether ``"body"`` or ground, ``"plane"``, is tilted
+    from level.
 
     Notes
     -----
@@ -208,7 +187,12 @@ class _Pairs:
 
 
 def level_angles(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
-    """Return `tip_angle` (m,), rad, of postures (m, k) at level: negative where they tip there."""
+    """Return `tip_angle` (m,), rad, of postures (m, k) at level: negative where they tip there.
+
+    It is the tilt that a posture survives in every heading: the cap of that radius around level
+    holds no tip-over, between headings as little as on them, and in the heading of the nearest
+    boundary point it is the limit itself.  Where `tip_angle` is only known from below, so is this.
+    """
     rows = np.asarray(params, dtype=np.float64)
     parts = [np.empty(0)]
     for i in range(0, len(rows), AT_ONCE):
@@ -218,31 +202,19 @@ def level_angles(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
     return np.concatenate(parts)
 
 
-def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
-    """Return the tilt (m,), rad, that each posture (m, k) survives in every heading.
-
-    0 where the robot tips on level ground or is exactly on an axis there, pi where it never tips.
-    It is `tip_angle` at level: the distance to the nearest boundary of the standing region, so the
-    cap of that radius around level holds no tip-over, between headings as little as on them, and in
-    the heading of the nearest boundary point it is the limit itself.  Where `tip_angle` is only
-    known from below, so is this.
-    """
-    return np.maximum(level_angles(recipe, params, convention), 0.0)
-
-
 def worst_heading(posture: Posture, convention: str = "body") -> float:
     """Return the heading (rad, -pi to pi) in which a posture tips over first.
 
-    If several are equally bad, it is the one nearest to the nose, on the left first.  NaN where
-    `level_limits` is 0, and where the robot never tips.
+    If several are equally bad, it is the one nearest to the nose, on the left first.  NaN where the
+    robot tips on level ground or is on an axis there, and where it never tips.
 
-    On the circle of headings at the tilt of `level_limits`, `tip_angle` is zero in the worst
+    On the circle of headings at the tilt of `level_angles`, `tip_angle` is zero in the worst
     heading and changes by at most sin(tilt) per rad.  Pieces of the circle in which it can
     therefore not be as low as seen elsewhere are dropped, and the others are divided: no heading
     is missed, however narrow.
     """
     recipe, row = posture.recipe, posture.row
-    tilt = float(level_limits(recipe, row, convention)[0])
+    tilt = float(level_angles(recipe, row, convention)[0])
     if not 0.0 < tilt < math.pi:
         return math.nan
     frame = level_frames(recipe, row, convention)[0]

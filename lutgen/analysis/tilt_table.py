@@ -74,7 +74,7 @@ class PostureLimits:
 
     @property
     def guaranteed(self) -> float:
-        """Body tilt (rad) that holds in every heading, see `tilt.level_limits`."""
+        """Body tilt (rad) that holds in every heading, see `tilt.level_angles`."""
         return max(self.level, 0.0)
 
     @property
@@ -122,10 +122,7 @@ class SweepLimits:
 
     @cached_property
     def guaranteed_ground(self) -> Floats:
-        """What each posture survives in every heading of ground tilt, (m,), rad; not sliding.
-
-        See `GroundTilt.guaranteed`; some hundredths of a second for each posture.
-        """
+        """What each posture survives in every heading of ground tilt, (m,), rad; not sliding."""
         found = (ground_tilt(Posture(self.recipe, row)).guaranteed for row in self.params)
         return np.fromiter(found, np.float64, len(self.params))
 
@@ -156,11 +153,7 @@ def rounded_down(angle: float, decimals: int = 2) -> float:
 def even_headings(count: int) -> Floats:
     """Return `count` evenly spaced headings (rad) from the nose to the left, (count,).
 
-    Raises
-    ------
-    InputError
-        Unless `count` is a multiple of 4, so that the four named headings are among them, and no
-        more than HEADINGS of `bounds`.
+    It is a multiple of 4, so that the four named headings are among them.
     """
     if count < 4 or count % 4:
         raise InputError(

@@ -48,29 +48,18 @@ class Footing:
 class Equilibrium:
     """Whether a weight on contacts is in balance, and where else it would be.
 
-    Attributes
-    ----------
-    holds : bool or None
-        None where pyramids of 256 sides inside and outside the cones do not agree: friction is
-        within 1e-4 of what is just enough.
-    forces : (n, 3) float64 or None
-        One admissible set as shares of the weight, in the frame of the input: the one with the
-        least largest normal force among pyramids of 64 sides.  None unless it holds.
-    region : (k, 2) float64
-        Corners of the com positions that hold, along `axes`, counter-clockwise seen from above: a
-        polygon, the two ends of a line, a point, or none.  An inner approximation, by pyramids of
-        64 sides inside the cones and to 1e-4 of its diameter.
-    axes : (2, 3) float64
-        Horizontal unit axes: the part of the frame's x across gravity (of y where gravity is
-        within 6 deg of x), and the one to the left of it.
-    is_open : bool
-        Whether the region reaches the end of the search, 100 sizes from the contacts' middle.
-    margin : float
-        Least horizontal distance from the com to the region's boundary, a length; negative outside,
-        -inf without a region, inf where it has no boundary within the search or the com is held
-        beyond that.  On a line or point
-        0.  The region is an inner one, so that a com at the very limit may hold with a margin just
-        below 0.
+    `holds` is None where pyramids of 256 sides inside and outside the cones do not agree: friction
+    is within 1e-4 of what is just enough.  `forces` (n, 3) are one admissible set as shares of the
+    weight, in the frame of the input: the one with the least largest normal force among pyramids of
+    64 sides; None unless it holds.  `region` (k, 2) has the corners of the com positions that hold,
+    counter-clockwise seen from above: a polygon, the two ends of a line, a point, or none.  It is
+    an inner approximation, by pyramids of 64 sides and to 1e-4 of its diameter, along the
+    horizontal unit `axes` (2, 3): the part of the frame's x across gravity (of y where gravity is
+    within 6 deg of x), and the one to the left of it.  It `is_open` if it reaches the end of the
+    search, 100 sizes from the contacts' middle.  `margin` is the least horizontal distance from the
+    com to its boundary, a length: negative outside, 0 on a line or point, -inf without a region,
+    inf without a boundary within the search.  A com at the very limit may hold with a margin just
+    below 0.
     """
 
     holds: bool | None
@@ -90,6 +79,11 @@ def equilibrium(
 ) -> Equilibrium:
     """Tell whether contacts on uneven ground can hold a weight.
 
+    It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
+    sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and of
+    weight x size; at the limit it holds.  The size is the largest distance of a contact from their
+    middle; of one contact alone, that of the com from it.
+
     Parameters
     ----------
     points : (n, 3) array_like
@@ -102,20 +96,6 @@ def equilibrium(
         Centre of mass.
     gravity_dir : (3,) array_like
         Down, of any length > 0.
-
-    Returns
-    -------
-    Equilibrium
-        It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
-        sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and
-        of weight x size; at the limit it holds.  The size is the largest distance of a contact
-        from their middle; of one contact alone, that of the com from it.
-
-    Raises
-    ------
-    InputError
-        For wrong shapes, numbers that are not finite, directions of length 0, and friction outside
-        0 to 1e6.
 
     Examples
     --------

@@ -71,11 +71,10 @@ class Motion:
     """Wheel speeds for one motion of the centre of mass; lengths in the recipe's unit.
 
     `velocity` (2,) and `yaw_rate` are those asked for.  `slip` is the root of the sum of squares
-    of the wheels' slips: no choice of speeds and steering angles makes it smaller.  `possible` is
-    true where it vanishes.  `nearest_velocity` (2,) and `nearest_yaw_rate` are the motion without
-    slip that differs least from the one asked for: least sum of squares, with yaw rates times
-    the distance from the com to the farthest corner of the support polygon.  They are the motion
-    itself where it is possible.  `standing` is false where the robot tips.
+    of the wheels' slips: no choice of speeds and steering angles makes it smaller, and the motion
+    is `possible` where it vanishes.  `nearest_velocity` (2,) and `nearest_yaw_rate` are the motion
+    without slip that differs least from the one asked for: least sum of squares, yaw rates times
+    the distance from the com to the farthest corner of the support polygon.
     """
 
     velocity: tuple[float, float]
@@ -91,10 +90,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class _Rolling:
-    """A wheel on the ground: where it touches, and unit vectors (2,) ahead and to its left.
-
-    It drives ahead when it spins positively about its axle, the right-hand way.
-    """
+    """A wheel on the ground: where it touches, and unit vectors (2,) ahead and to its left."""
 
     wheel: Wheel
     point: Floats
@@ -110,9 +106,8 @@ class _Rolling:
 class _Ground:
     """What a posture's wheels have to roll on.
 
-    `size`: the largest distance in the plane from the com to a corner of the support polygon, by
-    which yaw rates become comparable with velocities.  `contacts`: of the wheels in recipe order,
-    None for those that hover.  `standing` is false where the robot tips.
+    `size` is the largest distance in the plane from the com to a corner of the support polygon.
+    `contacts` are those of the wheels in recipe order, None for those that hover.
     """
 
     size: float
@@ -200,7 +195,6 @@ def wheel_speeds(
     Parameters
     ----------
     posture : Posture
-        Of a robot with wheels.
     velocity : (2,) array_like
         Velocity of the centre of mass, length per second: along the part of the body's x axis in
         the contact plane, and to the left of it.

@@ -81,7 +81,6 @@ def drive(
     Parameters
     ----------
     recipe : Recipe
-        The robot.
     path : Path
         Where it drives, in the recipe's length unit.
     control : bool
@@ -104,15 +103,6 @@ def drive(
         is about the ground's normal; of equally good headings the nearest to its own counts.
     **options
         `bounds`, `start`, `levels`, `ends` and `seed` of `optimum`.
-
-    Returns
-    -------
-    Drive
-
-    Raises
-    ------
-    InputError
-        For arguments that make no sense, among them control of a robot without parameters.
 
     Examples
     --------

@@ -53,21 +53,8 @@ def parse_objective(text: str) -> dict[str, float]:
 class Objective:
     """The cost of geometries of one robot on one ground, counting its evaluations.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    gravity : (3,) array_like
-        Pointing down, any length > 0, in the frame that `convention` names.
-    text : str
-        See `parse_objective`.
-    convention : {"body", "plane"}
-        See `channels.resting`.
-
-    Attributes
-    ----------
-    evaluations : int
-        Geometries evaluated so far.
+    `gravity` (3,) points down, any length > 0, in the frame that `convention` names, see
+    `channels.resting`; `text` is that of `parse_objective`.
     """
 
     recipe: Recipe

@@ -94,16 +94,6 @@ def optimum(
     seed : int
         Of `multistart`.
 
-    Returns
-    -------
-    Optimum
-
-    Raises
-    ------
-    InputError
-        For a robot without a parameter to search, unknown words, bounds or starts that make no
-        sense, and for `search` with more than 8 parameters.
-
     Examples
     --------
     >>> from lutgen.recipe.recipe import load_recipe

@@ -17,18 +17,10 @@ COLUMNS = ("x", "y", "z", "heading", "nx", "ny", "nz")
 
 
 def read_path(file: str | os.PathLike[str]) -> Path:
-    """Read a path from a CSV file.
+    """Read a path from a CSV file: UTF-8, comma separated.
 
-    Parameters
-    ----------
-    file : path
-        UTF-8, comma separated.  The first line names the columns in any order: x, y, z, and if
-        wanted heading (deg) and the ground's normal nx, ny, nz; see `along`.
-
-    Raises
-    ------
-    InputError
-        For anything else, with line and column.
+    The first line names the columns in any order: x, y, z, and if wanted heading (deg) and the
+    ground's normal nx, ny, nz; see `along`.  Anything else is refused with line and column.
     """
     rows, lines = read_rows(file, _check_names)
     point = np.column_stack([rows[name] for name in ("x", "y", "z")])

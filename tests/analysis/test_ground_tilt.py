@@ -9,7 +9,7 @@ import pytest
 import lutgen
 from lutgen.analysis.ground_tilt import ground_tilt
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
+from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
@@ -107,7 +107,7 @@ def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_b
         found = ground_tilt(posture)
         limits = tilt_limits(posture.recipe, [], ALL_ROUND, "plane")
         np.testing.assert_allclose(found.limits(ALL_ROUND), limits, atol=1e-11)
-        level = level_limits(posture.recipe, posture.row, "plane")[0]
+        level = level_angles(posture.recipe, posture.row, "plane")[0]
         assert level - 1e-11 < found.guaranteed < level
         if text != pulled:
             assert found.worst == pytest.approx(-math.pi / 2.0, abs=1e-9)  # rounding

@@ -46,15 +46,6 @@ def test_on_one_polygon_they_are_our_channels_under_any_gravity() -> None:
         assert np.array_equal(rule(corners, down) > 0.0, stands)
 
 
-def test_the_zero_moment_point_is_measured_in_the_plane_of_the_ground() -> None:
-    corners = RECTANGLE - np.array([0.5, 1.0, 1.0])
-    down = np.array([[np.sin(0.3), 0.0, -np.cos(0.3)]])
-    assert MARGINS["zmp_distance"](corners, down)[0] == pytest.approx(0.5 - np.tan(0.3))
-    assert MARGINS["static_margin"](corners, down)[0] == pytest.approx(
-        (0.5 - np.tan(0.3)) * np.cos(0.3)
-    )
-
-
 def test_a_polygon_tips_where_its_robot_of_three_feet_does() -> None:
     recipe = lutgen.load_recipe("recipe:paper_one")
     headings = np.radians([0.0, 77.0, 180.0, 250.0])
@@ -69,16 +60,3 @@ def test_an_outline_takes_for_a_leg_what_hangs_in_the_air() -> None:
     assert found is not None
     assert found.polygon[0] <= found.ours[0] + 1e-6
     assert found.outline[0] > found.ours[0] + 0.01
-
-
-def test_pairs_that_are_ranked_the_wrong_way_round_are_counted() -> None:
-    limits, values = (0.3, 0.5, 0.4), (1.0, 2.0, 3.0)
-    found = [
-        compare.Asked(
-            np.zeros(0), {"margin": v, "sdg": -v}, np.zeros(1), np.zeros(1), np.array([limit])
-        )
-        for limit, v in zip(limits, values, strict=True)
-    ]
-    # The second and third of three are exchanged.
-    assert compare.misranked(found, "margin") == pytest.approx(1.0 / 3.0)
-    assert compare.misranked(found, "sdg") == pytest.approx(1.0 / 3.0)
