@@ -36,7 +36,7 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 class Limb(NamedTuple):
-    """What hangs from a joint: what moves, its axis, and where it is, frame of the root.
+    """A limb, which hangs from a joint: how it moves and where it is, frame of the root.
 
     `axis` (3,) and `spot` (3,), the middle of its contacts or else its com, are those with all
     joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.  `mass`

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError, suggestion
 
-# What a name of the gallery begins with, where else there would be a path.
+# A name of the gallery begins with this, and a path does not.
 GALLERY = "recipe:"
 # Recipes to start from, the simplest first.
 KINDS = ("wheels", "tracks", "legs", "arm")

@@ -1,4 +1,4 @@
-"""What links, joints, contacts, wheels, payloads and forces demand of each other, and of names."""
+"""Rules that links, joints, contacts, wheels, payloads and forces keep, and their names."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -1,7 +1,7 @@
 """Every key of a recipe, once: its type, unit, interval, meaning and an example.
 
-The parser, the JSON Schema and the tables of the reference come from these models.  What keys
-demand of each other is in `rules`.
+The parser, the JSON Schema and the tables of the reference come from these models.  Rules
+about several keys are in `rules`.
 """
 
 import math
@@ -16,7 +16,7 @@ from lutgen.quantities import CHANNELS
 
 MAX_CONTACTS = bounds.CONTACTS.most
 ZEROS = [0.0, 0.0, 0.0]
-# What texts must match, and what is said of those that do not.
+# Patterns of texts, and the words for a text that does not match.
 TEXT = r"\S"
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9_]*$(?!\n)"
 SIZE = r"^(?=[^eE]*[1-9])\s*[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?\s*$"
