@@ -5,7 +5,7 @@ about several keys are in `rules`.
 """
 
 import math
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 from pydantic.json_schema import GenerateJsonSchema
@@ -49,7 +49,6 @@ def _in(unit: str) -> Any:
 
 
 LengthUnit = Literal["m", "cm", "mm", "1"]
-LENGTH_UNITS: tuple[str, ...] = get_args(LengthUnit)
 ANGLE_UNITS = ("deg", "rad")
 Unit = Literal["deg", "rad", LengthUnit]
 Channel = Literal[CHANNELS]  # type: ignore[valid-type]
