@@ -217,8 +217,10 @@ def stem(name: str) -> tuple[str, ...]:
     --------
     >>> stem("FL_hip_joint") == stem("rear_right_hip")
     True
-    >>> stem("LHipYawPitch")
-    ('hip', 'yaw', 'pitch')
+    >>> stem("LHipYawPitch"), stem("leg_left_1_joint"), stem("left")
+    (('hip', 'yaw', 'pitch'), ('leg', '1'), ())
+    >>> stem("LF_KFE") == stem("rh_kfe_joint") == ("kfe",)
+    True
     """
     words = [word.lower() for word in WORD.findall(name)]
     return tuple(word for word in words if word not in SIDES and word != "joint")
@@ -231,8 +233,8 @@ def common_name(names: Sequence[str]) -> str:
     --------
     >>> common_name(["FL_hip_joint", "FR_hip_joint"])
     'hip'
-    >>> common_name(["hip_yaw_1", "hip_yaw_2"])
-    'hip_yaw'
+    >>> common_name(["j_arm1_3", "j_arm2_3"]), common_name(["left", "right"])
+    ('j_arm_3', 'left')
     """
     own = [word for word in WORD.findall(names[0]) if word.lower() in stem(word)]
     words = [
