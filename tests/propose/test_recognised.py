@@ -88,20 +88,18 @@ def test_the_recipe_has_the_guess_as_numbers_with_its_sentence(folder: Path) -> 
     assert left == pytest.approx(math.degrees(math.atan(0.225 / height)), abs=0.01)
 
 
-def test_a_wheel_on_a_fixed_joint_is_a_disc(folder: Path) -> None:
+def test_wheels_on_fixed_joints_are_discs_and_looks_serve_where_there_is_nothing_else(
+    folder: Path,
+) -> None:
     recipe, made = imported(car(written("wheel.stl"), "fixed"))
     assert {contact.kind for contact in recipe.contacts} == {"disc"}
     assert made.guessed[0].startswith("fl, fr, rl, rr: a disc of radius 100.00 mm")
-
-
-def test_visual_wheels_serve_where_there_is_no_collision_shape(folder: Path) -> None:
     look = written("wheel.stl").replace("collision", "visual")
     recipe, made = imported(car(look))
     assert {contact.link for contact in recipe.contacts} == set(WHEELS)
     assert made.guessed[0].endswith("a visual mesh, as there is no collision shape")
     # Beside a sphere that it stands on they do not.
-    ball_ = collision('sphere radius="0.1"')
-    recipe, made = imported(car(ball_ + look))
+    recipe, made = imported(car(collision('sphere radius="0.1"') + look))
     assert {contact.kind for contact in recipe.contacts} == {"sphere"}
     assert made.guessed == ()
 
