@@ -39,7 +39,7 @@ NO_PAGES: dict[str, Any] = {f"distributed.{who}.http.routes": [] for who in ("sc
 
 
 class Job(NamedTuple):
-    """What a worker has to know of a sweep, apart from the block."""
+    """The facts of a sweep that a worker needs beside the number of a block."""
 
     text: str
     urdf: str | None

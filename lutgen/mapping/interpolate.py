@@ -45,7 +45,7 @@ def interpolate(
     total, present = np.zeros((2, len(places[-1][0])))
     for node, weight in _corners(values, places, extra):
         usable = ~np.isnan(node) & (weight > 0.0)
-        total += np.where(usable, node.astype(np.float64) * weight, 0.0)
+        total += np.where(usable, node * weight, 0.0)
         present += np.where(usable, weight, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where all corners count the weights add up to 1 but for rounding, which stays out.

@@ -25,7 +25,7 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
         The file.
     unsealed : bool
         Whether a file whose seal is missing or does not match is read, too: a map that another
-        program has rewritten or edited.  Nobody can tell then whether its values are right, and a
+        program has rewritten or edited.  Its values may be wrong then, and a
         file that was made to do harm may crash HDF5.
 
     Raises

@@ -27,7 +27,7 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-# What a file system says that has no locks at all (some clusters are mounted so).
+# Errors of a file system that has no locks at all (some clusters are mounted so).
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL)
 _PLACING = threading.Lock()
 

@@ -41,7 +41,7 @@ _AS_IT_IS = (
 
 @dataclass(frozen=True)
 class Storage:
-    """Where a map file has its values, and what their digests depend on.
+    """The places of a map file's values, and the facts that their digests depend on.
 
     `places` are the bytes at which the channels begin, in order; `version` is that of the lutgen
     that computed the values.

@@ -102,14 +102,19 @@ def sweep(
                 compute = stack.enter_context(_dask(recipe, layout, scheduler, threads))
             file = stack.enter_context(PartFile(part, recipe, layout))
             _open(file, resume, force)
-            _fill(file, layout, compute(file), progress)
+            finished, blocks = 0, stack.enter_context(closing(compute(file)))
+            for number in chain(file.find_done(), blocks):
+                block = layout.block(number)
+                finished += (block.last - block.first) * layout.shape[-1]
+                if progress is not None:
+                    progress(finished, layout.nodes)
             # It may be hours since that was asked.
             check_target(target, force)
             file.finish(target)
     except OSError as error:
         if isinstance(error, MapFileError):
             raise
-        # Where nothing was begun no file is left behind.
+        # A sweep that did not begin leaves no file behind.
         on = ", then go on with `lutgen sweep --resume`" if part.exists() else ""
         raise SweepError(
             f"{target}: cannot be written (got {error.strerror or error}); check the path, the "
@@ -227,21 +232,5 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
         for future in as_completed([pool.submit(work, number) for number in todo[alone:]]):
             yield future.result()
     finally:
-        # What is being computed is waited for and not lost.
+        # Blocks that are being computed are waited for and not lost.
         pool.shutdown(cancel_futures=True)
-
-
-def _fill(
-    file: PartFile,
-    layout: Plan,
-    blocks: Generator[int, None, None],
-    progress: Callable[[int, int], None] | None,
-) -> None:
-    """Fill the file with what is not done yet, and report the progress."""
-    finished = 0
-    with closing(blocks):
-        for number in chain(file.find_done(), blocks):
-            block = layout.block(number)
-            finished += (block.last - block.first) * layout.shape[-1]
-            if progress is not None:
-                progress(finished, layout.nodes)

@@ -13,7 +13,7 @@ from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
-# Share of the com's height.  Of real robots feet, wheels and flippers reach to within 7 % of it,
+# Share of the com's height.  Feet, wheels and flippers of real robots reach to within 7 % of it;
 # rotors, antennas and sensors stay above it or near it.
 NEAR = 0.25
 # Share of the robot's size by which shapes may be wrong.

@@ -1,4 +1,4 @@
-"""What in a description looks like a mistake, or may make its robot less stable than it is told.
+"""Find likely mistakes in a description, which may make its robot less stable than it is told.
 
 Nothing is refused or changed for a doubt: each is a sentence that names a link or joint.
 """

@@ -1,4 +1,4 @@
-"""What joints move, and which contacts carry nothing alone."""
+"""Find out how far joints move contacts and com, and which contacts carry nothing alone."""
 
 import math
 from collections.abc import Mapping, Sequence

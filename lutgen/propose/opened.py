@@ -60,7 +60,7 @@ def opened_meshes(
     found |= {name: _open(link, meshes, where[name]) for name, link in looks.items()}
     if looks and named is None:
         chosen = _touching(robot, found, where)
-    # What touches nothing keeps its looks to itself.
+    # A link that touches nothing has no shapes from its looks.
     bare = {link.name: link for link in robot.links}
     for name in set(looks) - chosen:
         visuals = found[name].link.collisions
@@ -91,8 +91,8 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
 def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, Place]) -> set[str]:
     """Return the links whose meshes touch: near the ground, and the lowest above and below them.
 
-    Of links that are fixed to each other only the lowest.  What has a ball about as low, on itself
-    or on a link above or below, stands on that.
+    If links are fixed to each other, only the lowest touches.  A link with a ball about as low, on
+    itself or on a link above or below, stands on the ball.
     """
     com = float(centre_of_mass(robot, where)[2])
     ground = min(one.low for one in found.values())

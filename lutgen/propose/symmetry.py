@@ -36,7 +36,7 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 class Limb(NamedTuple):
-    """What hangs from a joint: what moves, its axis, and where it is, frame of the root.
+    """A limb, which hangs from a joint: how it moves and where it is, frame of the root.
 
     `axis` (3,) and `spot` (3,), the middle of its contacts or else its com, are those with all
     joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.  `mass`
@@ -217,8 +217,10 @@ def stem(name: str) -> tuple[str, ...]:
     --------
     >>> stem("FL_hip_joint") == stem("rear_right_hip")
     True
-    >>> stem("LHipYawPitch")
-    ('hip', 'yaw', 'pitch')
+    >>> stem("LHipYawPitch"), stem("leg_left_1_joint"), stem("left")
+    (('hip', 'yaw', 'pitch'), ('leg', '1'), ())
+    >>> stem("LF_KFE") == stem("rh_kfe_joint") == ("kfe",)
+    True
     """
     words = [word.lower() for word in WORD.findall(name)]
     return tuple(word for word in words if word not in SIDES and word != "joint")
@@ -231,8 +233,8 @@ def common_name(names: Sequence[str]) -> str:
     --------
     >>> common_name(["FL_hip_joint", "FR_hip_joint"])
     'hip'
-    >>> common_name(["hip_yaw_1", "hip_yaw_2"])
-    'hip_yaw'
+    >>> common_name(["j_arm1_3", "j_arm2_3"]), common_name(["left", "right"])
+    ('j_arm_3', 'left')
     """
     own = [word for word in WORD.findall(names[0]) if word.lower() in stem(word)]
     words = [

@@ -9,18 +9,19 @@ from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError, suggestion
 
-# What a name of the gallery begins with, where else there would be a path.
+# A name of the gallery begins with this, and a path does not.
 GALLERY = "recipe:"
 # Recipes to start from, the simplest first.
 KINDS = ("wheels", "tracks", "legs", "arm")
 _STARTS = Path(__file__).parent / "starts"
 _PACKAGE = Path(__file__).resolve().parents[1]
-_FOLDERS = (_PACKAGE / "gallery", _PACKAGE.parent / "maps")
+_OWN, _CHECKOUT = _PACKAGE / "gallery", _PACKAGE.parent / "maps"
+_FOLDER = _OWN if _OWN.is_dir() else _CHECKOUT
 
 
 def gallery_names() -> tuple[str, ...]:
     """Return the names of the gallery's recipes, sorted; none where they were left out."""
-    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
 def gallery_text(name: str) -> str:
@@ -38,13 +39,7 @@ def gallery_text(name: str) -> str:
             f"{GALLERY}{bare}: the gallery has no recipe of this name (got {bare!r}); "
             f"{suggestion(bare, known, 'choose from')}."
         )
-    return (_folder() / f"{bare}.toml").read_text(encoding="utf-8")
-
-
-def _folder() -> Path:
-    """Return the folder of the recipes: the package's own, or that of a checkout."""
-    own, checkout = _FOLDERS
-    return own if own.is_dir() else checkout
+    return (_FOLDER / f"{bare}.toml").read_text(encoding="utf-8")
 
 
 def start_recipe(kind: str) -> str:

@@ -1,7 +1,6 @@
 """From parameter values to postures: contacts, points where forces act, and the centre of mass.
 
-One kernel walks the link tree for every posture.  What the contacts then stand on is
-not known here.
+One kernel walks the link tree for every posture.
 """
 
 import math

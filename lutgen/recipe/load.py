@@ -20,12 +20,12 @@ from lutgen.recipe.schema import PATTERNS
 
 Model = TypeVar("Model", bound=BaseModel)
 
-# What a map file begins with, and no text does.
+# A map file begins with this, and no text does.
 HDF5 = b"\x89HDF\r\n\x1a\n"
 NOTHING = "nothing"
 # Characters of a value, and faults of a file, that a message has.
 _LONGEST, _MOST = 60, 10
-# What is said of a kind of fault, with the numbers of its context.
+# The words for a kind of fault, with the numbers of its context.
 _WHAT = {
     "missing": "is missing",
     "extra_forbidden": "is not a known key",
@@ -49,7 +49,7 @@ _WHAT = {
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with a key, the value that it has, and the way out."""
+    """A fault of a key: what is wrong, the value that it has, and the way out."""
 
     key: str
     what: str
@@ -136,7 +136,7 @@ def read_tables(text: str, source: str, model: type[Model]) -> Model:
 def _refuse_long_keys(text: str, source: str) -> None:
     """Refuse keys of very many parts: a reader looks at each once for each of its dots."""
     dots = bounds.KEY_DOTS
-    # Whatever ends a key parts these runs.
+    # Each character that ends a key parts these runs.
     for run in re.finditer(rf"[^\n,=\[\]{{}}#]{{{dots.most + 1},}}", text):
         if run[0].count(".") > dots.most:
             line = text.count("\n", 0, run.start()) + 1

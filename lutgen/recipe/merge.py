@@ -9,7 +9,7 @@ from typing import Any
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 
-# What a description says of a link, wherever it hangs, and of how it hangs.
+# Keys that a description sets in a link wherever it hangs, and those of its place.
 OWN, PLACED = ("mass", "com"), ("origin", "rpy")
 OF_JOINT = ("type", "axis")
 

@@ -13,7 +13,7 @@ from lutgen.parts import Contact, Force, Link, Parameter, Wheel
 
 @dataclass(frozen=True)
 class ExportDefaults:
-    """What ``lutgen export`` uses unless it is told otherwise, as the recipe wrote it."""
+    """The defaults of ``lutgen export``, as the recipe wrote them."""
 
     flash: str | None = None
     max_error: str | None = None
@@ -64,12 +64,12 @@ class Recipe:
         return f"<Recipe {self.name!r}: {len(self.contacts)} contacts, {names}, {self.source}>"
 
     def __hash__(self) -> int:
-        # Of the text alone: the robot is looked up by its recipe in every evaluation.
+        # The text alone will do: the robot is looked up by its recipe in every evaluation.
         return hash(self.text)
 
     @property
     def digest(self) -> str:
-        """What ``recipe_digest`` gives for the text and the description that it names."""
+        """The ``recipe_digest`` of the text and the description that it names."""
         return recipe_digest(self.text, self.urdf)
 
     @property

@@ -78,7 +78,7 @@ def parse_recipe(
     robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()
     faults = list(head_faults(file))
     if robot.urdf is not None or robot.python is not None:
-        # What follows opens files or runs code.
+        # The next steps open files or run code.
         refuse(source, faults)
     parameters = parameters_of(robot)
     function = None

@@ -80,16 +80,13 @@ def contacts_of(robot: Robot, shapes: Mapping[int, Sequence[Contact]]) -> tuple[
     """Return the contacts of a robot; `shapes` has those of places that stand for a link's."""
     result: list[Contact] = []
     for place, one in enumerate(robot.contact):
-        for contact in shapes.get(place, [_contact(one)]):
+        # A name and a position that are missing are a fault, which the rules say.
+        centre, axis = three(one.position or ZERO), unit(one.axis) if one.axis else None
+        alone = Contact(one.name or "", one.link, centre, one.radius, axis)
+        for contact in shapes.get(place, [alone]):
             width, belt = one.width or 0.0, one.belt or ""
             result.append(replace(contact, rolling=one.rolling, width=width, belt=belt))
     return tuple(result)
-
-
-def _contact(one: schema.Contact) -> Contact:
-    # A name and a position that are missing are a fault, which the rules say.
-    axis = unit(one.axis) if one.axis else None
-    return Contact(one.name or "", one.link, three(one.position or ZERO), one.radius, axis)
 
 
 def wheels_of(robot: Robot, contacts: Sequence[Contact]) -> tuple[Wheel, ...]:

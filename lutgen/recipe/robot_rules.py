@@ -1,4 +1,4 @@
-"""What links, joints, contacts, wheels, payloads and forces demand of each other, and of names."""
+"""Rules that links, joints, contacts, wheels, payloads and forces keep, and their names."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -144,14 +144,10 @@ def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fau
             yield from absent(wheel, key, *(("axis", "radius") if disc else ()))
             continue
         if wheel.axis is not None:
-            apart = [math.dist(unit(wheel.axis), along) for along in (disc.axis, _back(disc.axis))]
-            if min(apart) > SAME:
+            along, back = disc.axis, [-part for part in disc.axis]
+            if min(math.dist(unit(wheel.axis), way) for way in (along, back)) > SAME:
                 what = "is not along the axis of its contact"
                 yield Fault(f"{key}.axis", what, wheel.axis, "remove it")
         if wheel.radius is not None and not math.isclose(wheel.radius, disc.radius, rel_tol=SAME):
             what = f"differs from the {disc.radius:g} of its contact"
             yield Fault(f"{key}.radius", what, wheel.radius, "remove it")
-
-
-def _back(axis: Sequence[float]) -> list[float]:
-    return [-part for part in axis]

@@ -1,4 +1,4 @@
-"""What keys of a recipe demand of each other, and of names: whatever a type cannot say.
+"""Rules about several keys of a recipe, and about names: a type cannot say them.
 
 Each function yields the faults of a recipe whose keys have their types.  Those of links and of what
 is on them are in `robot_rules`.

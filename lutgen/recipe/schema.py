@@ -1,11 +1,11 @@
 """Every key of a recipe, once: its type, unit, interval, meaning and an example.
 
-The parser, the JSON Schema and the tables of the reference come from these models.  What keys
-demand of each other is in `rules`.
+The parser, the JSON Schema and the tables of the reference come from these models.  Rules
+about several keys are in `rules`.
 """
 
 import math
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 from pydantic.json_schema import GenerateJsonSchema
@@ -16,7 +16,7 @@ from lutgen.quantities import CHANNELS
 
 MAX_CONTACTS = bounds.CONTACTS.most
 ZEROS = [0.0, 0.0, 0.0]
-# What texts must match, and what is said of those that do not.
+# Patterns of texts, and the words for a text that does not match.
 TEXT = r"\S"
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9_]*$(?!\n)"
 SIZE = r"^(?=[^eE]*[1-9])\s*[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?\s*$"
@@ -49,7 +49,6 @@ def _in(unit: str) -> Any:
 
 
 LengthUnit = Literal["m", "cm", "mm", "1"]
-LENGTH_UNITS: tuple[str, ...] = get_args(LengthUnit)
 ANGLE_UNITS = ("deg", "rad")
 Unit = Literal["deg", "rad", LengthUnit]
 Channel = Literal[CHANNELS]  # type: ignore[valid-type]

@@ -1,4 +1,4 @@
-"""What a robot description has: links, collision shapes and joints, as plain values."""
+"""The contents of a robot description: links, collision shapes and joints, as plain values."""
 
 import math
 from dataclasses import dataclass, field

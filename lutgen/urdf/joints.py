@@ -67,18 +67,17 @@ class Motion:
 
 def soft_limited(robot: UrdfRobot) -> UrdfRobot:
     """Return the description with the soft limits of its joints' controllers as limits."""
-    joints = [
-        replace(joint, lower=max(joint.lower, joint.soft[0]), upper=min(joint.upper, joint.soft[1]))
-        if joint.soft is not None
-        else joint
-        for joint in robot.joints
-    ]
-    for joint in joints:
-        if joint.lower > joint.upper:
-            raise RecipeError(
-                f"{robot.source}: joint {joint.name!r}: its soft limits are beyond its limits "
-                f"(got {joint.soft}); correct them, or leave --soft-limits out."
-            )
+    joints = []
+    for joint in robot.joints:
+        if joint.soft is not None:
+            lower, upper = max(joint.lower, joint.soft[0]), min(joint.upper, joint.soft[1])
+            if lower > upper:
+                raise RecipeError(
+                    f"{robot.source}: joint {joint.name!r}: its soft limits are beyond its limits "
+                    f"(got {joint.soft}); correct them, or leave --soft-limits out."
+                )
+            joint = replace(joint, lower=lower, upper=upper)
+        joints.append(joint)
     return replace(robot, joints=tuple(joints))
 
 

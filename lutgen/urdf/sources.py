@@ -29,7 +29,7 @@ LONGEST = 300
 
 @dataclass(frozen=True)
 class Sources:
-    """Where files are: packages given by name, the environment, and around the description.
+    """Places of files: packages given by name, the environment, and around the description.
 
     `start` is the folder of the description.
     """
@@ -153,7 +153,7 @@ def load_xacro(
     # Which packages are needed shows while the file is expanded: once more for each.
     while True:
         try:
-            # What an earlier file found is forgotten.
+            # The library remembers packages of an earlier file.
             finder.reset()
             finder.update_package_cache(found)
             # Includes are relative to the file that has them.

@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
@@ -116,27 +117,22 @@ def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[s
     """
     joints = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     result: dict[str, float] = {}
+
+    def refuse(what: str, way_out: str) -> NoReturn:
+        raise InputError(f"{robot.source}: {what} (got -p {name}={number:g}); {way_out}.")
+
     for name, number in given:
-        text = f"-p {name}={number:g}"
         if name not in joints:
-            way_out = suggestion(name, joints, "use one of")
-            raise InputError(
-                f"{robot.source}: there is no such moving joint (got {text}); {way_out}."
-            )
+            refuse("there is no such moving joint", suggestion(name, joints, "use one of"))
         joint = joints[name]
         if name in result:
-            raise InputError(f"{robot.source}: joint {name!r} is given twice (got {number:g} too).")
+            refuse(f"joint {name!r} is given twice", "leave one out")
         if joint.mimic is not None:
-            raise InputError(
-                f"{robot.source}: joint {name!r} follows {joint.mimic.joint!r} (got {text}); give "
-                "that one."
-            )
+            refuse(f"joint {name!r} follows {joint.mimic.joint!r}", "give that one")
         unit, factor = ("m", 1.0) if joint.kind == "prismatic" else ("deg", math.pi / 180.0)
         if not _within(joint, number * factor):
-            raise InputError(
-                f"{robot.source}: joint {name!r} goes from {joint.lower / factor:g} to "
-                f"{joint.upper / factor:g} {unit} (got {text}); give a value within."
-            )
+            ends = f"{joint.lower / factor:g} to {joint.upper / factor:g} {unit}"
+            refuse(f"joint {name!r} goes from {ends}", "give a value within")
         result[name] = number * factor
     return result
 

@@ -102,16 +102,15 @@ def test_wrong_arguments_of_read_are_refused(
         cone.read([[0.1, 0.2]], [0, 0, -1], ["bogus"])
 
 
-def test_a_parameter_in_deg_is_refused_with_both_units(cone: StabilityMap) -> None:
+def test_a_parameter_in_deg_is_refused_with_both_units_and_directions_off_the_chart_read_nan(
+    cone: StabilityMap,
+) -> None:
     with pytest.raises(InputError, match=r"swing must lie in -40 to 50 deg .*= 30 rad"):
         cone.read([[0.1, 30.0]], [0, 0, -1])
     # What is beyond the end by a rounding is at the end.
     last = [axis.knots[-1] for axis in cone.axes]
     beyond = cone.read(np.nextafter(last, 9.0), [0, 0, -1])["sdg"]
     assert beyond == cone.read(last, [0, 0, -1])["sdg"]
-
-
-def test_directions_off_the_chart_read_nan_in_every_channel(cone: StabilityMap) -> None:
     params, _ = queries(3)
     got = cone.read(params, [[0, 0, 1], [1, 0, 0], [1.8, 0, -1]])  # tan 60 deg is 1.73
     for name in cone.channels:
@@ -227,12 +226,11 @@ def test_the_share_that_tips_weighs_nodes_by_their_solid_angle(
     assert want < 0.4
 
 
-def test_a_robot_that_cannot_tip_has_the_share_zero(tmp_path: Path) -> None:
+def test_a_robot_that_cannot_tip_has_the_share_zero_and_ranges_leave_out_what_is_not_finite(
+    cone: StabilityMap, tmp_path: Path
+) -> None:
     recipe = without_limits(rigid(feet(TETRAHEDRON), chart="sphere", nodes=5))
     assert share_that_tips(lutgen.sweep(recipe, tmp_path / "a.h5")) == 0.0
-
-
-def test_a_range_leaves_out_what_is_not_finite(cone: StabilityMap) -> None:
     assert np.isnan(cone["sdg"]).any()
     low, high = channel_range(cone, "sdg")
     assert (low, high) == (np.nanmin(cone["sdg"]), np.nanmax(cone["sdg"]))

@@ -68,21 +68,17 @@ def test_bytes_that_are_no_whole_map_are_refused(
     assert re.search(said, refusal(copy))
 
 
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_file_and_an_unfinished_one_are_refused_with_the_way_out(tmp_path: Path) -> None:
     assert "no such file" in refusal(tmp_path / "none.h5")
     assert "is a folder" in refusal(tmp_path)
 
-
-def test_an_unfinished_file_is_refused_and_says_how_to_go_on(tmp_path: Path) -> None:
     def stop(done: int, total: int) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         lutgen.sweep(lutgen.parse_recipe(tripod()), tmp_path / "a.h5", progress=stop)
     for unsealed in (False, True):
-        said = refusal(tmp_path / "a.h5.part", unsealed)
-        assert "is not complete" in said
-        assert "--resume" in said
+        assert re.search("is not complete .*--resume", refusal(tmp_path / "a.h5.part", unsealed))
 
 
 REWRITTEN = {

@@ -27,22 +27,21 @@ def shaped(*shapes: str) -> list[Contact]:
     return link_contacts(parse_urdf(robot(link("a", 1.0, inside="".join(shapes)))).links[0])
 
 
-def test_a_sphere_is_a_sphere_at_its_centre() -> None:
+def test_a_sphere_is_a_sphere_at_its_centre_and_a_cylinder_its_two_rim_discs() -> None:
     assert shaped(collision('sphere radius="0.25"', "1 2 3")) == [
         Contact("a", "a", (1.0, 2.0, 3.0), 0.25)
     ]
-
-
-def test_a_cylinder_is_its_two_rim_discs() -> None:
     # Turned about x by 90 deg, its z axis points along -y.
     right, left = shaped(collision('cylinder radius="0.5" length="2"', "1 2 3", QUARTER))
     assert (right.name, left.name) == ("a_1", "a_2")
     assert right.position == pytest.approx((1.0, 1.0, 3.0))
     assert left.position == pytest.approx((1.0, 3.0, 3.0))
     for disc in (right, left):
-        assert disc.kind == "disc"
-        assert disc.radius == 0.5
+        assert (disc.kind, disc.radius) == ("disc", 0.5)
         assert disc.axis == pytest.approx((0.0, -1.0, 0.0))
+    # Without radius they are points, and of a mesh there is nothing.
+    assert [p.kind for p in shaped(collision('cylinder radius="0" length="1"'))] == ["point"] * 2
+    assert shaped(collision('mesh filename="/etc/hostname"')) == []
 
 
 def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
@@ -51,11 +50,6 @@ def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
     assert corners == {(1.0 + x, y, z) for x in (-2, 2) for y in (-1, 1) for z in (-3, 3)}
     assert {part.kind for part in shaped(box)} == {"point"}
     assert [part.kind for part in shaped(box, collision('sphere radius="1"'))] == ["sphere"]
-
-
-def test_a_cylinder_without_radius_is_two_points_and_a_mesh_is_nothing() -> None:
-    assert [p.kind for p in shaped(collision('cylinder radius="0" length="1"'))] == ["point"] * 2
-    assert shaped(collision('mesh filename="/etc/hostname"')) == []
 
 
 def cart(*extra: str) -> UrdfRobot:
@@ -77,16 +71,13 @@ def cart(*extra: str) -> UrdfRobot:
     )
 
 
-def test_spheres_and_rims_below_the_com_are_proposed_and_a_mast_is_not() -> None:
-    described = cart()
-    found = proposed_contacts(described, places(described, read_motion(described)))
-    assert [part.name for part in found] == ["left_1", "left_2", "right_1", "right_2", "castor"]
-
-
-def test_joints_that_turn_a_wheel_or_a_sphere_on_its_axle_move_nothing() -> None:
+def test_what_is_below_the_com_is_proposed_and_joints_on_axles_move_nothing() -> None:
     described = cart()
     motion = read_motion(described)
-    found = effects(described, motion, proposed_contacts(described, places(described, motion)))
+    contacts = proposed_contacts(described, places(described, motion))
+    # And not the mast.
+    assert [part.name for part in contacts] == ["left_1", "left_2", "right_1", "right_2", "castor"]
+    found = effects(described, motion, contacts)
     # The castor's com lies in its joint, its sphere below it on the axis.
     for name in ("lw", "rw", "cj"):
         assert found[name] == pytest.approx((0.0, 0.0), abs=1e-12)

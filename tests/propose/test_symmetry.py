@@ -3,11 +3,9 @@
 import re
 
 import numpy as np
-import pytest
 
 from lutgen.propose import import_urdf
 from lutgen.propose.couplings import Coupling
-from lutgen.propose.symmetry import common_name, stem
 from lutgen.recipe import Recipe
 from lutgen.recipe.kinematics import forward
 from lutgen.urdf.description import UrdfRobot
@@ -35,30 +33,6 @@ def proposed(robot: UrdfRobot, posture: dict[str, float] | None = None) -> dict[
     """Return the signs of each proposed parameter, in the order of the legs."""
     found = import_urdf(robot, posture=posture or STANDING).couples
     return {name: list(joints.values()) for name, joints in found.items()}
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("FL_hip_joint", ("hip",)),
-        ("LF_KFE", ("kfe",)),
-        ("rh_kfe_joint", ("kfe",)),
-        ("LHipYawPitch", ("hip", "yaw", "pitch")),
-        ("leg_left_1_joint", ("leg", "1")),
-        ("left_s0", ("s", "0")),
-        ("torso", ("torso",)),
-        ("left", ()),
-    ],
-)
-def test_a_name_says_what_a_joint_is_beside_its_side(name: str, words: tuple[str, ...]) -> None:
-    assert stem(name) == words
-
-
-def test_a_common_name_has_the_words_that_all_have_as_the_first_writes_them() -> None:
-    assert common_name(["LF_KFE", "RF_KFE"]) == "KFE"
-    assert common_name(["j_arm1_3", "j_arm2_3"]) == "j_arm_3"
-    assert common_name(["left", "right"]) == "left"
-    assert common_name(["torso_lift_joint"]) == "torso_lift"
 
 
 def test_legs_that_bend_the_same_way_move_the_same_way() -> None:

@@ -15,6 +15,7 @@ from lutgen.recipe import HDF5
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.every_key import CODED, EVERYTHING
 from tests.fixtures.places import MAPS
+from tests.fixtures.pulled import BOX
 from tests.fixtures.recipes import feet, rigid
 
 CHANNELS = 'channels = ["sdg", "tip_angle"]'
@@ -109,6 +110,13 @@ def test_keys_for_figures_change_no_number():
     assert one == other != 0.0
 
 
+def test_a_payload_moves_the_com_as_a_link_of_its_mass_does():
+    payload = '[[robot.payload]]\nname = "tool"\nlink = "body"\nposition = [0.4, 0, 0.2]\n'
+    body = '[[robot.link]]\nname = "body"\nmass = 6.0\n'
+    recipe = parse_recipe(rigid(f"{feet(BOX)}{body}{payload}mass = 2.0\n"))
+    assert lutgen.postures(recipe, np.zeros((1, 0)))[1][0] == pytest.approx([0.1, 0.0, 0.05])
+
+
 def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
     recipe = parse_recipe(rigid(feet([(0, 0, 0), (1, 0, 0), (2, 0, 0)])))
     assert (recipe.parameters, recipe.grid.shape, recipe.grid.size) == ((), (), 1)
@@ -128,23 +136,18 @@ def test_quantities_may_be_numbers_or_texts(flash, error, kept):
     assert parse_recipe(text).export == ExportDefaults(*kept)
 
 
-def test_recipes_are_equal_and_hashable_by_content():
-    one, same = parse_recipe(EVERYTHING), parse_recipe(EVERYTHING)
+def test_recipes_are_equal_and_hashable_by_content_and_a_file_names_its_messages(tmp_path):
+    path = tmp_path / "everything.toml"
+    path.write_text(EVERYTHING, encoding="utf-8-sig")
+    one, same, read = parse_recipe(EVERYTHING), parse_recipe(EVERYTHING), load_recipe(path)
     assert one == same
     assert hash(one) == hash(same)
-    assert one.digest == hashlib.sha256(EVERYTHING.encode()).hexdigest()
+    assert read.source == str(path)
+    # A byte order mark belongs to the file, not to the recipe.
+    assert one.digest == read.digest == hashlib.sha256(EVERYTHING.encode()).hexdigest()
     other = parse_recipe(EVERYTHING.replace("mass = 5.0", "mass = 5.5"))
     assert other != one
     assert other.digest != one.digest
-
-
-def test_a_file_is_read_with_its_name_for_messages(tmp_path):
-    path = tmp_path / "everything.toml"
-    path.write_text(EVERYTHING, encoding="utf-8-sig")
-    recipe = load_recipe(path)
-    assert recipe.source == str(path)
-    # A byte order mark belongs to the file, not to the recipe.
-    assert recipe.digest == parse_recipe(EVERYTHING).digest
 
 
 @pytest.mark.parametrize(

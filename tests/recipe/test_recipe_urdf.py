@@ -18,7 +18,7 @@ from lutgen.recipe.kinematics import forward
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.commands import data
 from tests.fixtures.maps import unseal
-from tests.fixtures.places import MAPS, VECTORS
+from tests.fixtures.places import VECTORS
 from tests.fixtures.recipes import contact, sweep_part
 
 VECTOR = VECTORS / "rover.urdf"
@@ -149,13 +149,10 @@ def test_what_does_not_fit_the_description_is_refused(change: dict[str, str], sa
     assert said in refusal(recipe_text(**change))
 
 
-def test_the_key_joint_needs_a_description() -> None:
+def test_a_fault_in_the_description_names_both_files_and_without_one_no_key_names_a_joint() -> None:
+    assert refusal(recipe_text(), "<robot/>").startswith("r.toml: rover.urdf: <robot>: needs 1")
     text = '[robot]\nname = "a"\nlength_unit = "m"\n' + LIFT + sweep_part("mast = 2")
     assert "means nothing without `robot.urdf`" in refusal(text, None)
-
-
-def test_a_fault_in_the_description_names_both_files() -> None:
-    assert refusal(recipe_text(), "<robot/>").startswith("r.toml: rover.urdf: <robot>: needs 1")
 
 
 @pytest.mark.parametrize(
@@ -209,14 +206,10 @@ def test_a_description_that_is_not_utf_8_is_refused_with_its_line(path: Path) ->
 
 def test_the_digest_covers_the_description(path: Path) -> None:
     first = lutgen.load_recipe(path)
-    heavier = ROVER.replace('value="20"', 'value="21"')
-    second = lutgen.parse_recipe(first.text, urdf=heavier)
+    second = lutgen.parse_recipe(first.text, urdf=ROVER.replace('value="20"', 'value="21"'))
     assert first.text == second.text
     assert first.digest != second.digest
     assert first != second
-    # Recipes without a description keep theirs.
-    plain = lutgen.load_recipe(MAPS / "paper_two.toml")
-    assert plain.urdf is None
 
 
 def test_a_map_reads_back_alone_when_the_description_is_gone(path: Path) -> None:
@@ -235,32 +228,31 @@ def test_a_map_reads_back_alone_when_the_description_is_gone(path: Path) -> None
     assert found.channel("tip_angle").shape == (3, 2, 1, 5, 5)
 
 
-@pytest.mark.parametrize("content", [None, ROVER.replace('value="20"', 'value="21"')])
+HEAVIER = ROVER.replace('value="20"', 'value="21"')
+PLAIN_DIGEST = recipe_digest(recipe_text())
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"urdf": None}, "does not match its digest"),
+        ({"urdf": HEAVIER}, "does not match its digest"),
+        # No file is opened even where the digest fits.
+        ({"urdf": None, "recipe_sha256": PLAIN_DIGEST}, "not stored beside the recipe"),
+    ],
+)
 def test_a_map_whose_description_is_missing_or_changed_is_refused(
-    path: Path, content: str | None
+    path: Path, changes: dict[str, str | None], said: str
 ) -> None:
     file = path.with_suffix(".h5")
     lutgen.sweep(lutgen.load_recipe(path), file)
     unseal(file)
     with h5py.File(file, "r+") as data:
-        del data.attrs["urdf"]
-        if content is not None:
-            data.attrs["urdf"] = content
-    with pytest.raises(MapFileError, match="does not match its digest"):
-        lutgen.load_map(file, unsealed=True)
-
-
-def test_a_map_without_its_description_opens_no_file_even_where_the_digest_fits(
-    path: Path,
-) -> None:
-    recipe = lutgen.load_recipe(path)
-    file = path.with_suffix(".h5")
-    lutgen.sweep(recipe, file)
-    unseal(file)
-    with h5py.File(file, "r+") as data:
-        del data.attrs["urdf"]
-        data.attrs["recipe_sha256"] = recipe_digest(recipe.text)
-    with pytest.raises(MapFileError, match="not stored beside the recipe"):
+        for key, value in changes.items():
+            del data.attrs[key]
+            if value is not None:
+                data.attrs[key] = value
+    with pytest.raises(MapFileError, match=said):
         lutgen.load_map(file, unsealed=True)
 
 

@@ -6,7 +6,10 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
+from lutgen.search.objective import Objective
 from tests.fixtures.every_key import CODED, EVERYTHING
+from tests.fixtures.pulled import BOX, LEVEL, robot
+from tests.fixtures.recipes import feet, rigid
 
 # What is replaced, by what, and how the sentence of the first fault begins.
 FAULTS = [
@@ -161,9 +164,17 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
     assert last == "bad.toml: and 40 more faults."
 
 
+def weightless(kind: str, value: str) -> str:
+    """Return a robot without masses that carries something."""
+    part = f'[[robot.{kind}]]\nname = "x"\nlink = "body"\nposition = [0, 0, 0]\n{value}\n'
+    return rigid(feet(BOX) + part)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        (weightless("payload", "mass = 1.0"), "robot.payload[1].mass`: counts for nothing on a"),
+        (weightless("force", "force = [1, 0, 0]"), "robot.force[1].force`: counts for nothing"),
         ("", "robot`: is missing (got nothing); write a table [robot]."),
         ("robot = 3", "robot`: must be a table (got 3); write a table [robot]."),
         ("[robot]\nparameter = [1]", "robot.name`: is missing"),
@@ -205,3 +216,8 @@ def test_what_is_no_toml_is_refused_with_its_line(text: str, said: str) -> None:
 def test_numbers_are_those_of_toml() -> None:
     text = EVERYTHING.replace("max = 50.0", "max = 5_0").replace("mass = 5.0", "mass = 0x5")
     assert lutgen.parse_recipe(text).parameters == lutgen.parse_recipe(EVERYTHING).parameters
+
+
+def test_a_search_for_an_energy_margin_under_a_load_is_refused() -> None:
+    with pytest.raises(lutgen.InputError, match="energy_margin is not defined"):
+        Objective(robot(feet(BOX), rho=0.1), LEVEL, "energy_margin")

@@ -1,34 +1,19 @@
 """Discs that all but agree: a wheel described by two rims, with noise, is a wheel."""
 
-import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import lutgen
-from lutgen.cli import main
+from tests.fixtures.commands import data
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import contact, sweep_part
 
-MAPS = Path(__file__).parents[2] / "maps"
-TAIL = """
-[sweep]
-[sweep.gravity]
-chart = "cone"
-max_tilt = 60.0
-nodes = 9
-channels = ["tip_angle"]
-"""
+TAIL = sweep_part(nodes=9, max_tilt=60.0, channels=("tip_angle",))
 HEAD = '[robot]\nname = "car"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\n'
-
-
-def disc(name: str, link: str, place: list[float], radius: float, axis: list[float]) -> str:
-    """Return the text of one disc."""
-    return (
-        f'[[robot.contact]]\nname = "{name}"\nlink = "{link}"\nposition = {place}\n'
-        f"radius = {radius}\naxis = {axis}\n"
-    )
 
 
 def two_rim_car(noise: float, rng: np.random.Generator) -> str:
@@ -41,7 +26,7 @@ def two_rim_car(noise: float, rng: np.random.Generator) -> str:
                 place = np.array([x, y - math.copysign(inward, y), -0.35]) + off[:3]
                 axis = np.array([0.0, 1.0, 0.0]) + off[3:] / 0.15 * [1.0, 0.0, 1.0]
                 name = f"rim{rim}_{len(discs)}"
-                discs.append(disc(name, "body", place.tolist(), 0.15 + off[4], axis.tolist()))
+                discs.append(contact(name, place, float(0.15 + off[4]), axis))
     rng.shuffle(discs)
     return HEAD + "".join(discs) + TAIL
 
@@ -54,9 +39,9 @@ def articulated(noise: float) -> str:
     for x, z, link in ((-0.5, 0.25, "body"), (0.45, -0.15, "front")):
         for y in (0.27, -0.27):
             off = rng.uniform(-noise, noise, 6)
-            place = (np.array([x, y, z]) + off[:3]).tolist()
-            axis = (np.array([0.0, 1.0, 0.0]) + off[3:] * [1.0, 0.0, 1.0]).tolist()
-            rims.append(disc(f"in_{len(rims)}", link, place, 0.25 + off[4], axis))
+            place = np.array([x, y, z]) + off[:3]
+            axis = np.array([0.0, 1.0, 0.0]) + off[3:] * [1.0, 0.0, 1.0]
+            rims.append(contact(f"in_{len(rims)}", place, float(0.25 + off[4]), axis, link))
     head, tail = text.split("[sweep]", 1)
     return head + "\n".join(rims) + "\n[sweep]" + tail
 
@@ -105,50 +90,37 @@ def test_a_noisy_second_rim_costs_no_more_than_an_exact_one():
     assert np.percentile(apart, 90) <= 0.1
 
 
-def test_exact_discs_stay_where_the_text_has_them():
-    recipe = lutgen.parse_recipe(articulated(0.0))
-    assert recipe.snapped == ()
-    assert recipe.contacts[-1].position == (0.45, -0.27, -0.15)
-
-
-def test_discs_on_one_axle_are_on_one_line_with_one_radius():
+def test_discs_on_one_axle_are_put_on_one_line_with_one_radius_and_check_says_so(tmp_path: Path):
+    exact = lutgen.parse_recipe(articulated(0.0))
+    assert exact.snapped == ()
+    assert exact.contacts[-1].position == (0.45, -0.27, -0.15)
     recipe = lutgen.parse_recipe(articulated(1e-4))
     rear = [c for c in recipe.contacts if c.link == "body"]
     assert len(rear) == 4
-    assert len(recipe.snapped) == 8
-    assert len({contact.radius for contact in rear}) == 1
+    assert len({one.radius for one in rear}) == 1
     centre, axis = np.array(rear[0].position), np.array(rear[0].axis)
-    for contact in rear[1:]:
-        arm = np.array(contact.position) - centre
+    for one in rear[1:]:
+        arm = np.array(one.position) - centre
         # Two roundings of a length of 1.
         assert np.linalg.norm(np.cross(arm, axis)) < 1e-15
-        assert abs(np.dot(contact.axis, axis)) == pytest.approx(1.0, abs=1e-15)
+        assert abs(np.dot(one.axis, axis)) == pytest.approx(1.0, abs=1e-15)
+    # With a parameter between them discs are left alone.
+    assert lutgen.load_recipe(MAPS / "absolem.toml").snapped == ()
+    path = tmp_path / "noisy.toml"
+    path.write_text(articulated(1e-4))
+    said = data("check", path)["snapped"]
+    assert len(said) == len(recipe.snapped) == 8
+    assert re.fullmatch(r"disc .* was moved by .* m, to agree with those on its axle", said[0])
 
 
 def test_a_disc_that_all_but_lies_on_the_cone_between_two_others_touches_nothing():
     axle = [0.0, 1.0, 0.0]
     places = ((0.4, 0.15), (0.2, 0.17001), (0.0, 0.19))
-    discs = [disc(f"d{i}", "body", [0.0, y, -0.3], r, axle) for i, (y, r) in enumerate(places)]
-    discs += [disc("far", "body", [1.0, 0.0, -0.3], 0.15, axle)]
+    discs = [contact(f"d{i}", [0.0, y, -0.3], r, axle) for i, (y, r) in enumerate(places)]
+    discs += [contact("far", [1.0, 0.0, -0.3], 0.15, axle)]
     recipe = lutgen.parse_recipe(HEAD + "".join(discs) + TAIL)
     assert recipe.contacts[1].radius < 0.17
     assert recipe.contacts[0].radius == 0.15
     further = lutgen.parse_recipe(HEAD + "".join(discs).replace("0.17001", "0.171") + TAIL)
     assert further.snapped == ()
     assert further.contacts[1].radius == 0.171
-
-
-def test_discs_with_a_parameter_between_them_are_left_alone():
-    text = (MAPS / "absolem.toml").read_text()
-    assert lutgen.parse_recipe(text).snapped == ()
-
-
-def test_check_says_what_has_moved(tmp_path: Path):
-    path = tmp_path / "noisy.toml"
-    path.write_text(articulated(1e-4))
-    found = CliRunner().invoke(main, ["check", str(path)])
-    assert found.exit_code == 0
-    assert "disc in_0 was moved by" in found.output
-    assert "to agree with those on its axle" in found.output
-    report = json.loads(CliRunner().invoke(main, ["check", str(path), "--json"]).stdout)
-    assert len(report["snapped"]) == 8

@@ -48,6 +48,11 @@ def test_scale_turn_and_place_are_those_of_the_shape(tmp_path: Path) -> None:
     # By hand: z is doubled to 1.2 m, and a quarter turn about x takes y to z and z to -y.
     wanted = [[1 + x, y, z] for x in (-0.1, 0.1) for y in (-0.6, 0.6) for z in (-0.2, 0.2)]
     assert found == pytest.approx(np.array(wanted), abs=1e-6)
+    # A file is read once, whatever the scale of a shape is.
+    meshes = Meshes(Sources(tmp_path))
+    first = meshes.corners(mesh("a.stl"))
+    (tmp_path / "a.stl").unlink()
+    assert meshes.corners(mesh("a.stl", (2.0, 2.0, 2.0))) == pytest.approx(2.0 * first)
 
 
 def test_collada_is_in_the_unit_that_it_declares_and_its_axes_stay(tmp_path: Path) -> None:
@@ -88,14 +93,6 @@ def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_ar
     # Measured 0.2 s; with materials the reader takes 100 s.
     assert time.perf_counter() - begin < 10.0
     assert np.abs(found).max() == 0.5
-
-
-def test_a_file_is_read_once(tmp_path: Path) -> None:
-    write(tmp_path / "a.stl", box(1, 1, 1))
-    meshes = Meshes(Sources(tmp_path))
-    first = meshes.corners(mesh("a.stl"))
-    (tmp_path / "a.stl").unlink()
-    assert meshes.corners(mesh("a.stl", (2.0, 2.0, 2.0))) == pytest.approx(2.0 * first)
 
 
 def packed() -> bytes:

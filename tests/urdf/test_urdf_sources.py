@@ -48,33 +48,27 @@ def test_files_are_imported_with_their_packages_given(name: str, tmp_path: Path)
     assert lutgen.load_recipe(recipe).name == name
 
 
-def test_without_them_one_sentence_names_the_package_and_the_option(tmp_path: Path) -> None:
-    result = run("import", "-x", ROBOTS / "everything.xacro", "-o", tmp_path / "robot.toml")
-    assert result.exit_code == 2
-    assert "package 'wheels_common' was not found" in result.stderr
-    assert "--package wheels_common=FOLDER" in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-
-
-@pytest.mark.parametrize(
-    ("variable", "value"),
-    [(name, VECTORS / "xacro") for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")],
-)
-def test_without_them_the_environment_is_enough(
-    variable: str, value: Path, monkeypatch: pytest.MonkeyPatch
+def test_without_them_the_environment_or_the_folders_above_are_enough_or_a_sentence_names_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(variable, f"/nowhere:{value}")
-    robot = load_xacro(ROBOTS / "everything.xacro")
-    assert sum(link.mass for link in robot.links) == pytest.approx(17.8, rel=1e-12)
-
-
-def test_without_them_the_folders_above_the_file_are_enough(tmp_path: Path) -> None:
+    file = ROBOTS / "everything.xacro"
+    result = run("import", "-x", file, "-o", tmp_path / "robot.toml")
+    assert result.exit_code == 2
+    (said,) = result.stderr.splitlines()
+    assert "package 'wheels_common' was not found" in said
+    assert "--package wheels_common=FOLDER" in said
     # A workspace as it is checked out: the file in one package, the others beside that.
     shutil.copytree(SHARE, tmp_path / "src")
-    file = tmp_path / "src" / "legs_description" / "robots" / "robot.xacro"
-    file.parent.mkdir()
-    shutil.copy(ROBOTS / "everything.xacro", file)
-    assert sum(link.mass for link in load_xacro(file).links) == pytest.approx(17.8, rel=1e-12)
+    above = tmp_path / "src" / "legs_description" / "robots" / "robot.xacro"
+    above.parent.mkdir()
+    shutil.copy(file, above)
+    found = [load_xacro(above)]
+    for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        with monkeypatch.context() as patch:
+            patch.setenv(name, f"/nowhere:{VECTORS / 'xacro'}")
+            found.append(load_xacro(file))
+    for robot in found:
+        assert sum(link.mass for link in robot.links) == pytest.approx(17.8, rel=1e-12)
 
 
 def test_arguments_choose_what_conditionals_leave(tmp_path: Path) -> None:
@@ -153,26 +147,22 @@ def test_macros_that_were_not_expanded_are_named_under_any_prefix(
         load_xacro(file)
 
 
-@pytest.mark.parametrize(
-    ("inside", "said"),
-    [
-        ("<xacro:include filename='none.xacro'/>", "none.xacro"),
-        ("<xacro:nothing/>", "nothing"),
-        ("<link name='${length + 1}'/>", "name 'length' is not defined"),
-        ("<link name='$(arg side)'/>", "side"),
-        ("<xacro:if value='maybe'/>", "maybe"),
-        ("<xacro:include filename='$(find ..)/a'/>", "package '..' was not found"),
-    ],
-)
-def test_a_macro_that_fails_is_refused_with_its_cause(
-    inside: str, said: str, tmp_path: Path
-) -> None:
+def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path: Path) -> None:
     file = tmp_path / "robot.xacro"
-    file.write_text(f'<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>')
-    with pytest.raises(RecipeError) as caught:
-        load_xacro(file)
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value)
+    for inside, said in {
+        "<xacro:include filename='none.xacro'/>": "none.xacro",
+        "<xacro:nothing/>": "nothing",
+        "<link name='${length + 1}'/>": "name 'length' is not defined",
+        "<link name='$(arg side)'/>": "side",
+        "<xacro:if value='maybe'/>": "maybe",
+        "<xacro:include filename='$(find ..)/a'/>": "package '..' was not found",
+    }.items():
+        uri = "http://www.ros.org/wiki/xacro"
+        file.write_text(f'<robot name="a" xmlns:xacro="{uri}">{inside}</robot>')
+        with pytest.raises(RecipeError) as caught:
+            load_xacro(file)
+        assert said in str(caught.value)
+        assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
