@@ -69,13 +69,11 @@ def limits(recipe: str, options: Options) -> None:
         way_out = "sweep fewer samples, or ask fewer headings"
         bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
         swept = sweep_limits(robot, grid.params(range(grid.size)), around, options.convention)
-
-    def figure() -> Any:
-        from lutgen.plot import draw_limits
-
-        return draw_limits(robot, found, swept, worst=options.over_all)
-
-    output.save_figure(figure, options.output, options)
+    output.save_figure(
+        lambda plot: plot.draw_limits(robot, found, swept, worst=options.over_all),
+        options.output,
+        options,
+    )
     report = limits_report(robot, found)
     report["posture_from"] = given.posture_source(robot, options.assignments) or "given"
     if swept is not None and options.over_all:

@@ -164,13 +164,13 @@ def check_outputs(force: bool, *paths: str | None) -> None:
             check_target(path, force)
 
 
-def save_figure(draw: Callable[[], Any], path: str | None, options: "FigureOptions") -> None:
-    """Draw a figure on the sheet that was asked for and write it, if it has a path."""
+def save_figure(draw: Callable[[Any], Any], path: str | None, options: "FigureOptions") -> None:
+    """Let a figure be drawn by `lutgen.plot` and write it, if it has a path."""
     if path is not None:
-        from lutgen.plot import on_sheet, save
+        from lutgen import plot
 
-        with on_sheet(options.size, options.style):
-            save(draw(), path, force=options.force)
+        with plot.on_sheet(options.size, options.style):
+            plot.save(draw(plot), path, force=options.force)
 
 
 def save_columns(columns: Mapping[str, Sequence[Any]], path: str | None, force: bool) -> None:

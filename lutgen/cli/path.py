@@ -103,14 +103,8 @@ def save_run(
     options: RunOptions,
 ) -> None:
     """Write the table, the figure and the film that were asked for."""
-
-    def figure() -> Any:
-        from lutgen.plot import draw_path
-
-        return draw_path(robot, runs)
-
     output.save_columns(columns, options.output, options.force)
-    output.save_figure(figure, options.plot, options)
+    output.save_figure(lambda plot: plot.draw_path(robot, runs), options.plot, options)
     if options.animate is not None:
         from lutgen.plot import animate
 

@@ -48,13 +48,7 @@ def stance(file: str, options: Options) -> None:
     if options.gravity is not None:
         footing = replace(footing, gravity_dir=np.array(options.gravity))
     found = footing.equilibrium()
-
-    def figure() -> Any:
-        from lutgen.plot import draw_footing
-
-        return draw_footing(footing, found)
-
-    save_figure(figure, options.output, options)
+    save_figure(lambda plot: plot.draw_footing(footing, found), options.output, options)
     show(stance_report(footing, found), stance_lines, options.as_json, 0 if found.holds else TIPS)
 
 
