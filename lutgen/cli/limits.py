@@ -35,11 +35,7 @@ class Options(RecipeOptions, FigureOptions):
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
 
 
-@command(
-    "recipe",
-    Options,
-    "Largest tilt nose down, nose up, left, right and in the worst heading.",
-)
+@command("recipe", Options)
 def limits(recipe: str, options: Options) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 

@@ -29,12 +29,13 @@ class Options(FigureOptions):
     as_json: bool = given.as_json()
 
 
-@command("file", Options, "Whether feet on uneven ground hold a weight.")
+@command("file", Options)
 def stance(file: str, options: Options) -> None:
-    """Print whether the feet that FILE (TOML) describes hold its centre of mass.
+    """Print whether feet on uneven ground hold a weight.
 
-    Each foot has a place, a normal and a friction coefficient of its own.  Exit code 3 where no
-    forces within the friction cones carry the weight, or where that cannot be told.
+    FILE (TOML) describes them and the centre of mass.  Each foot has a place, a normal and a
+    friction coefficient of its own.  Exit code 3 where no forces within the friction cones carry
+    the weight, or where that cannot be told.
 
     \b
     $ lutgen stance stair.toml -g 0.1,0,-1
