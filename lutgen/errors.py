@@ -53,6 +53,7 @@ class ExportError(LutgenError, RuntimeError):
 
 def unreadable(source: str, error: OSError) -> RecipeError:
     """Return the error for a recipe or a description that the system does not let us read."""
+    source = one_line(source)
     if isinstance(error, FileNotFoundError):
         return RecipeError(f"{source}: there is no such file; check the path.")
     return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")

@@ -61,9 +61,9 @@ class Options(RecipeOptions):
     force: bool = given.force()
 
 
-@command("source", Options, "How hard it may brake and turn before it tips over, by slope.")
+@command("source", Options)
 def budget(source: str, options: Options) -> None:
-    """Print how hard SOURCE may brake, speed up and turn before it tips over.
+    """Print how hard SOURCE may brake and turn before it tips over.
 
     Of a recipe exactly; of the folder of an export as its C says it (smap_budget), which is never
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with

@@ -35,9 +35,9 @@ class Options(RecipeOptions):
     )
 
 
-@command("source", Options, "Evaluate one point of a recipe, a map or an export.")
+@command("source", Options)
 def eval_(source: str, options: Options) -> None:
-    """Evaluate SOURCE at one point.
+    """Evaluate one point of SOURCE, a recipe, a map or an export.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
     runtime is asked.  Parameters without -p are at the recipe's `home`, then in the middle of their

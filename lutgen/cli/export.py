@@ -83,9 +83,9 @@ class PolicyOptions(FolderOptions):
     poses: int = option(default=1, help="Poses that a cycle may make of many contacts, 1 or 2.")
 
 
-@command("source", ExportOptions, "Write a map as C tables with a small runtime.")
+@command("source", ExportOptions)
 def export(source: str, options: ExportOptions) -> None:
-    """Write SOURCE, a map or a recipe, as a folder of C sources that any project can take.
+    """Write SOURCE, a map or a recipe, as C tables with a runtime.
 
     With a flash size the most exact export that fits, with a largest error the smallest that
     keeps it, with both one that does both; without either, what the recipe's [export] says.
@@ -162,11 +162,12 @@ def export_entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "folder", report["directory"]
 
 
-@command("source", PolicyOptions, "Write on-board control: the best posture for each slope.")
+@command("source", PolicyOptions)
 def policy(source: str, options: PolicyOptions) -> None:
-    """Write SOURCE, a map or a recipe, as `lutgen export` does, with a policy that steers it.
+    """Write on-board control: the best posture for each slope.
 
-    The map decides on board what is safe, never the table.
+    SOURCE, a map or a recipe, is written as `lutgen export` does, with a policy beside it.  The
+    map decides on board what is safe, never the table.
 
     \b
     $ lutgen policy absolem.toml -o firmware --rate front=45 --rate rear=45

@@ -25,7 +25,15 @@ from lutgen.cli.recipes import check, new, recipes, schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import info, sweep
 from lutgen.cli.wheels import wheels
-from lutgen.errors import ExportError, InputError, LutgenError, SweepError, readable
+from lutgen.errors import (
+    ExportError,
+    InputError,
+    LutgenError,
+    RecipeError,
+    SweepError,
+    one_line,
+    readable,
+)
 
 FAILED, BAD_INPUT = 1, 2
 # What the system says of an output that takes no more: a name stands with all other files.
@@ -43,7 +51,11 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            failure = click.ClickException(readable(str(error)))
+            text = readable(str(error))
+            # The faults of a recipe are a line each.
+            failure = click.ClickException(
+                text if isinstance(error, RecipeError) else one_line(text)
+            )
             failed = isinstance(error, ExportError | SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
@@ -65,7 +77,7 @@ class _Readable(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:
         """Return the line of a record, without a traceback."""
-        return readable(super().formatMessage(record))
+        return one_line(readable(super().formatMessage(record)))
 
 
 def _end(error: Exception) -> NoReturn:

@@ -86,16 +86,16 @@ class Options:
     as_json: bool = given.as_json()
 
 
-@command("urdf", Options, "Write a recipe from a robot description (URDF).")
+@command("urdf", Options)
 def import_(urdf: str, options: Options) -> None:
-    """Write a recipe from the robot description URDF and say what it leaves out.
+    """Write a recipe from a robot description (URDF).
 
-    It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
-    otherwise.  Without --contact, the spheres and cylinders near the ground then touch it, and the
-    wheels and feet that are recognised in meshes (pip install lutgen[meshes]).
-    Without --joint and --couple, every joint that moves a contact, or the centre of mass by more
-    than 0.5 % of the robot's size, becomes a parameter; of more than ten those that are alike move
-    together.
+    What it leaves out is said.  It stands as an SRDF file says (group_state), or with its joints
+    at zero; -p and --posture say otherwise.  Without --contact, the spheres and cylinders near the
+    ground then touch it, and the wheels and feet that are recognised in meshes (pip install
+    lutgen[meshes]). Without --joint and --couple, every joint that moves a contact, or the centre
+    of mass by more than 0.5 % of the robot's size, becomes a parameter; of more than ten those
+    that are alike move together.
 
     A recipe that is there stays as it is unless --merge or --force is given; give --merge the same
     options as the first time.

@@ -35,11 +35,7 @@ class Options(RecipeOptions, FigureOptions):
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
 
 
-@command(
-    "recipe",
-    Options,
-    "Largest tilt nose down, nose up, left, right and in the worst heading.",
-)
+@command("recipe", Options)
 def limits(recipe: str, options: Options) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
@@ -69,13 +65,11 @@ def limits(recipe: str, options: Options) -> None:
         way_out = "sweep fewer samples, or ask fewer headings"
         bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
         swept = sweep_limits(robot, grid.params(range(grid.size)), around, options.convention)
-
-    def figure() -> Any:
-        from lutgen.plot import draw_limits
-
-        return draw_limits(robot, found, swept, worst=options.over_all)
-
-    output.save_figure(figure, options.output, options)
+    output.save_figure(
+        lambda plot: plot.draw_limits(robot, found, swept, worst=options.over_all),
+        options.output,
+        options,
+    )
     report = limits_report(robot, found)
     report["posture_from"] = given.posture_source(robot, options.assignments) or "given"
     if swept is not None and options.over_all:

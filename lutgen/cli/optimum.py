@@ -65,7 +65,7 @@ class Options(RecipeOptions):
     trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 
-@command("recipe", Options, "Best geometry for a gravity direction.")
+@command("recipe", Options)
 def optimum(recipe: str, options: Options) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 

@@ -116,12 +116,12 @@ def option(*flags: str, **settings: Any) -> Any:
 
 
 def command(
-    source: str | click.Argument | None, options: type, short_help: str
+    source: str | click.Argument | None, options: type
 ) -> Callable[[Callable[..., None]], click.Command]:
     """Return a decorator that makes a command of a function of a source and of options.
 
-    Its help begins with the example, which ends its docstring.  The options come in the order of
-    the fields of the dataclass, those that it inherits last.
+    Its help begins with the example, which ends its docstring; in the list of commands it has the
+    first line.  The options come in the order of the fields, those that are inherited last.
     """
     argument = click.Argument([source], type=Named()) if isinstance(source, str) else source
 
@@ -143,7 +143,7 @@ def command(
             callback=callback,
             params=parameters,
             help=f"\b\n{example}\n\n{text}",
-            short_help=short_help,
+            short_help=text.partition("\n")[0],
         )
 
     return decorate

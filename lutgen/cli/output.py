@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lutgen.cli.options import Assignments, FigureOptions, posture_source
 from lutgen.errors import one_line
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from lutgen.cli.options import Assignments, FigureOptions
     from lutgen.recipe import Recipe
 
 # Exit code of a question whose answer is no.
@@ -89,12 +89,8 @@ def by_unit(recipe: "Recipe", params: "NDArray[Any]", ending: str = "") -> dict[
     return entries
 
 
-def posture_entries(
-    recipe: "Recipe", params: "NDArray[Any]", given: "Assignments"
-) -> dict[str, Any]:
+def posture_entries(recipe: "Recipe", params: "NDArray[Any]", given: Assignments) -> dict[str, Any]:
     """Return what a report says of a posture that was not given whole; else nothing."""
-    from lutgen.cli.options import posture_source
-
     source = posture_source(recipe, given)
     return {"posture": by_unit(recipe, params), "posture_from": source} if source else {}
 
@@ -164,13 +160,13 @@ def check_outputs(force: bool, *paths: str | None) -> None:
             check_target(path, force)
 
 
-def save_figure(draw: Callable[[], Any], path: str | None, options: "FigureOptions") -> None:
-    """Draw a figure on the sheet that was asked for and write it, if it has a path."""
+def save_figure(draw: Callable[[Any], Any], path: str | None, options: FigureOptions) -> None:
+    """Let a figure be drawn by `lutgen.plot` and write it, if it has a path."""
     if path is not None:
-        from lutgen.plot import on_sheet, save
+        from lutgen import plot
 
-        with on_sheet(options.size, options.style):
-            save(draw(), path, force=options.force)
+        with plot.on_sheet(options.size, options.style):
+            plot.save(draw(plot), path, force=options.force)
 
 
 def save_columns(columns: Mapping[str, Sequence[Any]], path: str | None, force: bool) -> None:

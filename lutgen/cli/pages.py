@@ -30,13 +30,14 @@ class PaperOptions:
     as_json: bool = given.as_json()
 
 
-@command("source", ExploreOptions, "Write a page on which the robot is moved by hand.")
+@command("source", ExploreOptions)
 def explore(source: str, options: ExploreOptions) -> None:
-    """Write one offline HTML page of SOURCE, a recipe, a map or a folder of `lutgen export`.
+    """Write a page on which the robot of SOURCE is moved by hand.
 
-    The page shows the robot in 3-D on its ground, the directions of gravity in which it stands,
-    and a map over two joints.  What it answers is the exported C, compiled to WebAssembly.
-    Without a folder the tables are of the codec contacts.
+    SOURCE is a recipe, a map or a folder of `lutgen export`.  The page is offline, and shows the
+    robot in 3-D on its ground, the directions of gravity in which it stands, and a map over two
+    joints.  What it answers is the exported C, compiled to WebAssembly. Without a folder the
+    tables are of the codec contacts.
 
     \b
     $ lutgen explore recipe:absolem -o absolem.html
@@ -71,9 +72,9 @@ def explore(source: str, options: ExploreOptions) -> None:
     show(report, silent, options.as_json)
 
 
-@command(None, PaperOptions, "Reproduce the paper: figures, tables, one page.")
+@command(None, PaperOptions)
 def paper(options: PaperOptions) -> None:
-    """Compute the paper's three simulations again and write a report.
+    """Reproduce the paper: its three simulations, figures and one page.
 
     The folder gets paper.html, which needs no other file, and beside it the figures as PNG, the
     numbers as CSV and the stability map as HDF5.  It takes about half a minute of one core once the

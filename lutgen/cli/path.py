@@ -66,13 +66,13 @@ class Options(RunOptions):
     headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
 
 
-@command("recipe", Options, "Drive over rough terrain: where does the robot tip over?")
+@command("recipe", Options)
 def path(recipe: str, options: Options) -> None:
-    """Drive RECIPE along a path and count where it tips over, with a fixed shape and with control.
+    """Drive RECIPE over rough ground and count where it tips over.
 
-    -p gives the geometry before control begins; where it is left out, the recipe's `home`, then the
-    middle of the range.  Exit code 3 where it tips over at any point of the last run, which may do
-    all that is allowed.
+    Once with a fixed shape, and once with control.  -p gives the geometry before control begins;
+    where it is left out, the recipe's `home`, then the middle of the range.  Exit code 3 where it
+    tips over at any point of the last run, which may do all that is allowed.
 
     \b
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
@@ -103,14 +103,8 @@ def save_run(
     options: RunOptions,
 ) -> None:
     """Write the table, the figure and the film that were asked for."""
-
-    def figure() -> Any:
-        from lutgen.plot import draw_path
-
-        return draw_path(robot, runs)
-
     output.save_columns(columns, options.output, options.force)
-    output.save_figure(figure, options.plot, options)
+    output.save_figure(lambda plot: plot.draw_path(robot, runs), options.plot, options)
     if options.animate is not None:
         from lutgen.plot import animate
 

@@ -51,7 +51,7 @@ class Asked(RecipeOptions, FigureOptions):
     )
 
 
-@command("source", Asked, "Draw a figure (PNG, SVG or PDF).")
+@command("source", Asked)
 def plot(source: str, asked: Asked) -> None:
     """Draw a figure of SOURCE, a map or a recipe.
 

@@ -58,9 +58,9 @@ NAME = click.Argument(["name"], required=False, shell_complete=completed)
 KIND = click.Argument(["kind"], required=False)
 
 
-@command(NAME, RecipesOptions, "List the gallery's recipes, or print one of them.")
+@command(NAME, RecipesOptions)
 def recipes(name: str | None, options: RecipesOptions) -> None:
-    """List the recipes that come with lutgen, or print the text of the one called NAME.
+    """List the gallery's recipes, or print the one called NAME.
 
     Every command takes recipe:NAME where it takes a recipe's file.
 
@@ -112,9 +112,9 @@ def recipes_lines(report: dict[str, Any]) -> Iterator[str]:
         yield from (f"  {line}" for line in textwrap.wrap(entry["description"], 98))
 
 
-@command(KIND, NewOptions, "Write a commented recipe to start from; --list the kinds.")
+@command(KIND, NewOptions)
 def new(kind: str | None, options: NewOptions) -> None:
-    """Write a commented recipe of a robot of this KIND, to be changed into yours.
+    """Write a commented recipe to start from; --list the kinds.
 
     It is complete: `lutgen check` and `lutgen limits` take it as it is.
 
@@ -143,11 +143,12 @@ def new(kind: str | None, options: NewOptions) -> None:
     )
 
 
-@command(None, SchemaOptions, "Print the JSON Schema of recipes, for editors.")
+@command(None, SchemaOptions)
 def schema(options: SchemaOptions) -> None:
-    """Print the JSON Schema of recipes (draft 2020-12), by which editors complete and check.
+    """Print the JSON Schema of recipes, by which editors complete.
 
-    It refuses unknown keys, wrong types and numbers out of range; `lutgen check` knows more.
+    It is of draft 2020-12, and refuses unknown keys, wrong types and numbers out of range; `lutgen
+    check` knows more.
 
     \b
     $ lutgen schema > recipe.schema.json
@@ -157,7 +158,7 @@ def schema(options: SchemaOptions) -> None:
     click.echo(json.dumps(recipe_schema(), indent=2, allow_nan=False))
 
 
-@command("recipe", RecipeOptions, "Validate a recipe; print robot, nodes, file size and run time.")
+@command("recipe", RecipeOptions)
 def check(recipe: str, options: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
 

@@ -29,12 +29,13 @@ class Options(FigureOptions):
     as_json: bool = given.as_json()
 
 
-@command("file", Options, "Whether feet on uneven ground hold a weight.")
+@command("file", Options)
 def stance(file: str, options: Options) -> None:
-    """Print whether the feet that FILE (TOML) describes hold its centre of mass.
+    """Print whether feet on uneven ground hold a weight.
 
-    Each foot has a place, a normal and a friction coefficient of its own.  Exit code 3 where no
-    forces within the friction cones carry the weight, or where that cannot be told.
+    FILE (TOML) describes them and the centre of mass.  Each foot has a place, a normal and a
+    friction coefficient of its own.  Exit code 3 where no forces within the friction cones carry
+    the weight, or where that cannot be told.
 
     \b
     $ lutgen stance stair.toml -g 0.1,0,-1
@@ -48,13 +49,7 @@ def stance(file: str, options: Options) -> None:
     if options.gravity is not None:
         footing = replace(footing, gravity_dir=np.array(options.gravity))
     found = footing.equilibrium()
-
-    def figure() -> Any:
-        from lutgen.plot import draw_footing
-
-        return draw_footing(footing, found)
-
-    save_figure(figure, options.output, options)
+    save_figure(lambda plot: plot.draw_footing(footing, found), options.output, options)
     show(stance_report(footing, found), stance_lines, options.as_json, 0 if found.holds else TIPS)
 
 

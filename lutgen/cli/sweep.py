@@ -44,7 +44,7 @@ class InfoOptions:
     as_json: bool = given.as_json()
 
 
-@command("recipe", SweepOptions, "Compute a recipe's stability map.")
+@command("recipe", SweepOptions)
 def sweep(recipe: str, options: SweepOptions) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
@@ -111,9 +111,11 @@ def sweep(recipe: str, options: SweepOptions) -> None:
 MAP = click.Argument(["map_file"], metavar="MAP.h5", type=given.Named())
 
 
-@command(MAP, InfoOptions, "Print what a map file holds; --verify its checksums.")
+@command(MAP, InfoOptions)
 def info(map_file: str, options: InfoOptions) -> None:
-    """Print axes, channels, ranges, the share of directions that tip, and provenance.
+    """Print what a map file holds; --verify its checksums.
+
+    Axes, channels, their ranges, the share of directions that tip over, and provenance.
 
     \b
     $ lutgen info paper_two.h5 --verify

@@ -28,9 +28,9 @@ class Options(RecipeOptions):
     gravity: tuple[float, float, float] = given.gravity()
 
 
-@command("recipe", Options, "Wheel speeds and steering angles of a motion.")
+@command("recipe", Options)
 def wheels(recipe: str, options: Options) -> None:
-    """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
+    """Print wheel speeds and steering angles of a motion.
 
     -p gives the posture; where it is left out, the recipe's `home`, then the middle of the range.
     Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this

@@ -1,8 +1,11 @@
 """A fault that nobody foresaw ends in a sentence, and an interruption soon."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from functools import partial
 from pathlib import Path
 
 import click
@@ -11,7 +14,10 @@ from click.testing import CliRunner
 
 from lutgen.cli import group, main
 from lutgen.cli.recipes import check
+from lutgen.errors import one_line, readable
 from tests.fixtures.commands import run
+from tests.fixtures.length import part
+from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
 
 
@@ -90,3 +96,76 @@ def test_nothing_of_click_is_a_fault_of_lutgen() -> None:
     assert issubclass(click.exceptions.Exit, RuntimeError)
     assert run("check", "--no-such-option").exit_code == 2
     assert run("--version").exit_code == 0
+
+
+# messages
+
+
+def test_a_message_is_readable_and_a_line_is_one_line() -> None:
+    plain = "r.toml: robot.größe is unknown (got 3);\n\tdid you mean 'name'"
+    assert readable(plain) == plain
+    assert one_line(plain) == plain.replace("\n\t", "\\n\\t")
+    for received, shown in (("\x1b[31m", "\\x1b[31m"), ("\u202e", "\\u202e"), ("\x9b", "\\x9b")):
+        assert readable(f"a{received}b") == one_line(f"a{received}b") == f"a{shown}b"
+    # A long one keeps its beginning and its way out.
+    shown = readable(f"r.toml: robot.name is wrong (got '{'a' * 10_000}'); write a name")
+    assert len(shown) < 2100
+    assert shown.startswith("r.toml: robot.name is wrong")
+    assert shown.endswith("'); write a name")
+
+
+# interruptions
+
+
+def interrupted(after: float, answer: signal.Handlers = signal.SIG_DFL) -> tuple[int, str]:
+    """Interrupt `lutgen check` after some seconds; return its status and what it said."""
+    command = [sys.executable, "-m", "lutgen", "check", str(MAPS / "absolem.toml")]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        # Whoever runs the tests in the background of a shell ignores Ctrl-C, and so would it.
+        preexec_fn=partial(signal.signal, signal.SIGINT, answer),
+    )
+    time.sleep(after)
+    process.send_signal(signal.SIGINT)
+    try:
+        said = process.communicate(timeout=60.0)[1]
+    finally:
+        process.kill()
+    return process.returncode, said
+
+
+def test_a_command_that_is_interrupted_ends_without_a_traceback() -> None:
+    # Python itself has to start before anything of ours can answer.
+    begin = time.monotonic()
+    subprocess.run([sys.executable, "-c", "import lutgen"], check=True, cwd=ROOT)
+    started = 1.5 * (time.monotonic() - begin)
+    ends = set()
+    for step in range(part(40)):
+        status, said = interrupted(started + 1.4 * step / part(40))
+        assert "Traceback" not in said, said
+        # Killed by the signal, aborted, or done before it came.
+        assert status in (-signal.SIGINT, 1, 0), said
+        ends.add(status)
+    assert ends != {0}
+
+
+def test_an_interrupted_compiler_is_not_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    begin = time.monotonic()
+    status, said = interrupted(4.0)
+    assert status in (-signal.SIGINT, 1)
+    assert "Traceback" not in said
+    # An empty cache takes half a minute and more to fill.
+    assert time.monotonic() - begin < 20.0
+
+
+@pytest.mark.parametrize("after", [0.3, 1.0])
+def test_in_the_background_of_a_shell_ctrl_c_is_nobody_s(after: float) -> None:
+    status, said = interrupted(after, signal.SIG_IGN)
+    assert status == 0, said

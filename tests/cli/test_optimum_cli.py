@@ -12,7 +12,6 @@ import lutgen
 from lutgen.search.objective import Objective
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS, ROOT
-from tests.fixtures.recipes import tripod
 
 TWO = str(MAPS / "paper_two.toml")
 A0 = math.degrees(math.atan(0.6))
@@ -20,15 +19,6 @@ A0 = math.degrees(math.atan(0.6))
 
 run = partial(commands.run, "optimum")
 data = partial(commands.data, "optimum")
-
-
-def refusal(*arguments: object) -> str:
-    """Run a command that must fail as a usage error, with one line on stderr."""
-    result = run(*arguments)
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert "Traceback" not in result.stderr
-    return result.stderr
 
 
 def test_the_text_names_value_deltas_ranges_and_evaluations() -> None:
@@ -109,15 +99,12 @@ def test_a_parameter_given_a_value_keeps_it() -> None:
     )
 
 
-def test_start_and_seed_reach_the_methods() -> None:
+def test_start_seed_and_ends_reach_the_methods() -> None:
     near = data(TWO, "--method", "nelder-mead", "--start", "alpha=31", "--start", "gamma=31")
     far = data(TWO, "--method", "nelder-mead", "--start", "alpha=3")
     assert near["evaluations"] != far["evaluations"]
     seeds = [data(TWO, "--method", "multistart", "--seed", s)["evaluations"] for s in (0, 0, 1)]
     assert seeds[0] == seeds[1] != seeds[2]
-
-
-def test_right_ends_are_other_nodes() -> None:
     right = data(TWO, "--ends", "right", "--levels", 1, "--bounds", "alpha=3:53")
     assert right["parameters"]["alpha"]["value_deg"] in [pytest.approx(x) for x in (33, 23)]
 
@@ -142,25 +129,6 @@ def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(
     assert report["standing"] is True
     assert report["parameters"]["alpha"]["acceptable_deg"] == [None, None]
     assert "exceeds the limit: no range is acceptable" in caplog.text
-
-
-def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
-    text = '[robot]\nname = "code"\nlength_unit = "m"\npython = "searched:postures"\n'
-    text += '[[robot.parameter]]\nname = "x"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
-    sweep = "[sweep]\n" + tripod().split("[sweep]\n")[1].replace("reach = 4, swing = 3", "x = 3")
-    (tmp_path / "code.toml").write_text(text + sweep)
-    (tmp_path / "searched.py").write_text(
-        "import numpy as np\n\n\n"
-        "def postures(q):\n"
-        "    feet = np.array([[-1.0, 1, -1], [-1, -1, -1], [1, 0, -1]])\n"
-        "    feet = np.repeat(feet[None], len(q), axis=0)\n"
-        "    feet[:, 2, 0] += 2.0 * q[:, 0]\n"
-        "    return feet, np.zeros((len(q), 3))\n"
-    )
-    assert "--allow-python" in refusal(tmp_path / "code.toml")
-    report = data(tmp_path / "code.toml", "--allow-python", "--method", "nelder-mead")
-    # The centroid is below the com where the third foot is at 2.
-    assert report["parameters"]["x"]["value"] == pytest.approx(0.5, abs=1e-5)
 
 
 def test_the_document_says_how_far_the_conventions_differ() -> None:

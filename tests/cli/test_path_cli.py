@@ -69,27 +69,18 @@ def test_it_prints_the_papers_percentages(recipe: str) -> None:
 
 
 def test_without_control_there_is_one_run_and_with_headings_there_are_four(recipe: str) -> None:
-    short = (recipe, *PAPER, "--points", 8)
-    names = [entry["name"] for entry in data(*short, "--no-control")["runs"]]
-    assert names == ["fixed shape"]
-    names = [entry["name"] for entry in data(*short, "--no-control", "--headings", 3)["runs"]]
-    assert names == ["fixed shape", "turning"]
-    report = data(*short, "--headings", 4)
-    names = [entry["name"] for entry in report["runs"]]
-    assert names == ["fixed shape", "turning", "changing shape", "changing shape and turning"]
+    report = data(recipe, *PAPER, "--points", 8, "--headings", 4)
+    names = ["fixed shape", "turning", "changing shape", "changing shape and turning"]
+    assert [entry["name"] for entry in report["runs"]] == names
     assert [any(entry["turn_deg"]) for entry in report["runs"]] == [False, True] * 2
+    report = data(recipe, *PAPER, "--points", 8, "--headings", 3, "--no-control")
+    assert [entry["name"] for entry in report["runs"]] == names[:2]
 
 
 def test_json_has_the_numbers_of_the_library(recipe: str, two: Recipe) -> None:
     options = ("--lag", 2, "--objective", "tip_angle", "--method", "nelder-mead")
     report = data(recipe, *PAPER, "--points", 9, *options, "--convention", "body")
-    assert {key: report[key] for key in ("robot", "points", "lag", "method", "objective")} == {
-        "robot": "paper_two",
-        "points": 9,
-        "lag": 2,
-        "method": "nelder-mead",
-        "objective": "tip_angle",
-    }
+    assert [report[key] for key in ("robot", "points", "lag")] == ["paper_two", 9, 2]
     given = {"method": "nelder-mead", "objective": "tip_angle", "convention": "body"}
     expected = by_hand(two, 9, lag=2, **given)
     entry = report["runs"][1]
@@ -141,19 +132,11 @@ def test_a_terrain_of_ones_own_is_read_and_limits_are_in_the_table(tmp_path: Pat
     arguments = (tmp_path / "tripod.toml", "--terrain", tmp_path / "hill.csv")
     head, *_ = good(*arguments).splitlines()
     assert head.endswith("hill.csv: 4 points, length 3.09684 m")
-    good(*arguments, "--rate", "reach=0.01", "--speed", 1, "-o", tmp_path / "run.csv")
+    written = ("-o", tmp_path / "run.csv", "--plot", tmp_path / "run.svg", "--size", "120")
+    good(*arguments, "--rate", "reach=0.01", "--speed", 1, *written)
+    assert (tmp_path / "run.svg").read_bytes().startswith(b"<?xml")
     names = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
     assert {"reach_m", "swing_deg", "reach_wanted_m", "swing_wanted_deg"} <= set(names)
-
-
-# What is drawn
-
-
-def test_the_figure_has_both_runs_and_repeats_to_the_byte(recipe: str, tmp_path: Path) -> None:
-    for name in ("a.png", "b.png"):
-        good(recipe, *PAPER, "--points", 40, "--plot", tmp_path / name)
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_rigid_robot_needs_no_control(tmp_path: Path) -> None:

@@ -94,13 +94,10 @@ REFUSED = """
 2 | sweep bad.toml -o x.h5 | contcat
 2 | sweep tripod.toml -o none/x.h5 | none/x.h5
 2 | sweep tripod.toml -o text.h5/x.h5 | text.h5/x.h5
-2 | sweep tripod.toml -o folder.toml | folder
 2 | sweep tripod.toml -o '' | names nothing
 2 | sweep tripod.toml -o x.h5 --threads 0 | threads
 2 | sweep tripod.toml -o x.h5 --threads 2.5 | '2.5' is no whole number of plain digits
 2 | sweep tripod.toml -o x.h5 --engine gpu | gpu
-2 | info none.h5 | none.h5
-2 | info text.h5 | text.h5
 2 | info folder.toml | is a folder
 2 | info tripod.toml | tripod.toml
 2 | info damaged.h5 | damaged
@@ -111,13 +108,10 @@ REFUSED = """
 2 | eval tripod.h5 -p reach=0.9 | parameter reach must lie in 0 to 0.6 m (got 0.9)
 2 | eval tripod.toml -p swing=51 | swing must lie in -40 to 50 deg (got 51 deg
 2 | eval tripod.h5 -p reach=far | 'reach=far' is no assignment; write for example alpha=30
-2 | eval tripod.h5 -p reach=nan | reach=nan
-2 | eval tripod.h5 -p =1 | =1
 2 | eval tripod.h5 -p reach | 'reach' is no assignment
 2 | eval tripod.toml -p reach=1e300 | up to 1e12
 2 | eval tripod.toml -p reach=\u0661 | up to 1e12
 2 | eval tripod.h5 -g 0,0,0 | is no direction; write three numbers such as 0,0,-1
-2 | eval tripod.h5 -g 0,-1 | is no direction
 2 | eval tripod.h5 -g 0,0,nan | is no direction
 2 | eval tripod.h5 -g 0,0,-1e300 | up to 1e12
 2 | eval tripod.toml -a 1,2 | is no acceleration; write for example -2,0,0
@@ -127,9 +121,7 @@ REFUSED = """
 2 | eval changed | is not the file that was exported
 2 | limits tripod.toml -p beta=1 | no parameter 'beta'
 2 | limits tripod.toml --headings 6 | must be a multiple of 4 (got 6)
-2 | limits tripod.toml --headings 0 | must be a multiple of 4 (got 0)
 2 | limits tripod.toml --headings \u0661\u0662 | up to 1e12
-2 | limits tripod.toml --headings 4000000000000000000000000000000 | up to 1e12
 2 | limits tripod.toml --best --headings 100000000 | beyond the limit of 36,000 headings
 2 | limits tripod.toml -o limits.gif | unknown kind of picture
 2 | limits tripod.toml -o missing/limits.png | cannot be written
@@ -138,10 +130,7 @@ REFUSED = """
 2 | metrics tripod.toml --headings 1000000000 | is not in the range: at least 1 and at most 36,000
 2 | stance bare.toml | bare.toml: key `foot`: is missing
 2 | stance none.toml | none.toml: there is no such file
-2 | stance ditch.toml -g 0,0,0 | is no direction
-2 | stance ditch.toml -o stance.gif | unknown kind of picture
 2 | optimum two.toml --bounds alpha=20 | is no range; write for example alpha=20:40
-2 | optimum two.toml --bounds alpha=a:b | is no range
 2 | optimum two.toml --bounds alpha=40:20 | must be below the upper one (got 40:20)
 2 | optimum two.toml --bounds beta=1:2 | there is no parameter 'beta' (got --bounds beta=1:2)
 2 | optimum two.toml --bounds alpha=1:2 -p alpha=1 | give it one -p or one --bounds
@@ -151,7 +140,6 @@ REFUSED = """
 2 | optimum two.toml -p alpha=1 -p gamma=2 | no geometry parameter to search
 2 | optimum fixed.toml | no geometry parameter to search
 2 | optimum two.toml --objective facet | objective 'facet' is not understood
-2 | optimum two.toml --method best | 'best' is not one of
 2 | optimum two.toml --levels 0 | 0 is not in the range: at least 1
 2 | optimum two.toml --levels 1000000 | 32 levels of a search
 2 | optimum two.toml --limit 1e13 | up to 1e12
@@ -162,22 +150,18 @@ REFUSED = """
 2 | path two.toml --points 1 | at least 2 points
 2 | path two.toml --points 1000000000 | 200,000 points of a path
 2 | path two.toml --headings 1000000000 | 36,000 headings
-2 | path two.toml --headings 0 | at least one heading
 2 | path two.toml --terrain none.csv | none.csv: cannot be read
 2 | path two.toml --terrain none.csv --points 5 | leave it out
 2 | path two.toml --terrain odd.csv | line 1 names no column x (got x;y;z)
 2 | path two.toml --rate alpha=1 | need a speed
-2 | path two.toml --speed 1 | need a speed, and a speed needs rates
 2 | path two.toml --rate alpha=1 --rate alpha=2 --speed 1 | given twice
 2 | path two.toml --rate beta=1 --speed 1 | there is no parameter 'beta' (got --rate beta=1)
 2 | path two.toml --no-control --speed 1 | a shape that does not change has no rates
 2 | path two.toml --lag -1 | got lag -1
 2 | path two.toml --points 3 -o missing/run.csv | cannot be written
-2 | path two.toml --points 3 --plot run.gif | unknown kind of picture
 2 | path fixed.toml | --no-control
 2 | budget two.toml --slope 30:0:5 | --slope: at most 200 slopes FROM:TO:STEP from 0 to 80 deg
 2 | budget two.toml --slope 0:30:0 | --slope
-2 | budget two.toml --slope 0:30:0.1 | --slope
 2 | budget two.toml --over beta=0:1 | there is no parameter 'beta' (got --over beta=0:1)
 2 | budget two.toml --steps 1 | 1 is not in the range: at least 2 and at most 200
 2 | budget two.toml --reads 0 | 0 is not in the range: at least 1 and at most 32
@@ -187,8 +171,6 @@ REFUSED = """
 2 | control firmware --cycle 1 | a folder has its policy
 2 | control two.toml --terrain none.csv | none.csv
 2 | plot tripod.h5 -o x.png | --kind
-2 | plot tripod.h5 -o x.png --kind pie | pie
-2 | plot tripod.h5 --kind polar | --output
 2 | plot tripod.h5 -o x.png --kind contour --axes reach,beta | beta
 2 | plot tripod.h5 -o x.png --kind contour --channel tilt | tilt
 2 | plot tripod.h5 -o x.bmp --kind contour | bmp
@@ -210,7 +192,6 @@ REFUSED = """
 2 | import rover.urdf -o a.toml --name ' ' | --name: must not be empty
 2 | import rover.urdf -o a.toml -c left_weel | did you mean 'left_wheel'
 2 | import rover.urdf -o a.toml -c mast | has no collision sphere
-2 | import rover.urdf -o a.toml -c mast=0,0 | is no point of a link
 2 | import rover.urdf -o a.toml -c mast=0,0,0,-1 | is no point of a link
 2 | import rover.urdf -o a.toml -c mast=0,0,0 | needs 3 to 62 contacts (got 1)
 2 | import rover.urdf -o a.toml -j arm | did you mean 'arms'
@@ -219,14 +200,11 @@ REFUSED = """
 2 | import rover.urdf -o a.toml --posture crouch | no SRDF file beside rover.urdf (got 'crouch')
 2 | import rover.xacro -o a.toml | pass --xacro if you trust it
 2 | import quadruped.urdf -o a.toml --couple hips=FL_hip | did you mean 'FL_hip_joint'
-2 | import quadruped.urdf -o a.toml --couple hips=*_haunch | no joint has that pattern
 2 | import quadruped.urdf -o a.toml --couple haunches | names no joints that can move
-2 | import quadruped.urdf -o a.toml --couple =FL_hip_joint | is no name of a parameter
 2 | import quadruped.urdf -o a.toml --couple sdg=FL_hip_joint | is no name of a parameter
 2 | import quadruped.urdf -o a.toml --couple a=FL_hip_joint,FL_hip_joint | is named twice
 2 | import quadruped.urdf -o a.toml --couple a=FL_hip_joint,FL_knee* | are no mirror images
 2 | import quadruped.urdf -o a.toml --couple a=0*FL_hip_joint | a factor is 0
-2 | import quadruped.urdf -o a.toml --couple a= | there is no such joint or group
 """
 
 
@@ -340,9 +318,13 @@ def test_an_empty_text_is_no_path_to_any_command(name: str, tmp_path: Path) -> N
     assert paths or name in {"recipes", "schema"}
 
 
-@pytest.mark.parametrize("command", ["check 'no\x1b[31m.toml'", "check '--no\x1b[31m'"])
+@pytest.mark.parametrize(
+    "command",
+    ["check 'no\x1b[31m\n.toml'", "info 'no\x1b[31m\n.h5'", "check '--no\x1b[31m'"],
+)
 def test_a_name_that_a_terminal_would_obey_is_shown_as_an_escape(command: str) -> None:
     result = run(*shlex.split(command))
     assert result.exit_code == 2
     assert "\x1b" not in result.stderr
-    assert "x1b" in result.stderr
+    said = [line for line in result.stderr.splitlines() if "x1b" in line]
+    assert said == result.stderr.splitlines()[-1:]

@@ -1,6 +1,5 @@
-"""`lutgen wheels`: what it prints, and its exit codes."""
+"""`lutgen wheels` and `lutgen stance`: what they print, in which units, and their exit codes."""
 
-import json
 import math
 import re
 from pathlib import Path
@@ -9,13 +8,17 @@ import pytest
 
 import lutgen
 from lutgen.analysis import Posture, wheel_speeds
-from tests.fixtures.commands import data, good, run
+from tests.cli.test_refusals import DITCH
+from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 CART = feet([(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2), (0.0, 0.0, -0.1)])
 AXLE = "axis = [0, 1, 0]\nradius = 0.1\n"
 WHEELS = "".join(f'[[robot.wheel]]\ncontact = "{name}"\n{AXLE}' for name in ("P1", "P2", "P4"))
+# The com is 0.1 behind the axle: at 57.295779513 deg/s it moves 0.1 to the right.
+POSSIBLE = ("--velocity", "0.5,-0.1", "--yaw-rate", 57.29577951308232)
+IMPOSSIBLE = ("--velocity", "0.5,0", "--yaw-rate", 57.29577951308232)
 
 
 @pytest.fixture
@@ -26,75 +29,54 @@ def cart(tmp_path: Path) -> Path:
     return path
 
 
-# The com is 0.1 behind the axle: at 57.295779513 deg/s it moves 0.1 to the right.
-POSSIBLE = ("--velocity", "0.5,-0.1", "--yaw-rate", 57.29577951308232)
-IMPOSSIBLE = ("--velocity", "0.5,0", "--yaw-rate", 57.29577951308232)
-
-
-def test_speeds_are_printed_per_wheel(cart: Path) -> None:
-    result = good("wheels", cart, *POSSIBLE)
-    assert result.stderr == ""
-    head, columns, *rows = result.stdout.splitlines()
+def test_speeds_are_printed_per_wheel_with_their_units(
+    cart: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    head, columns, *rows = good("wheels", cart, *POSSIBLE).stdout.splitlines()
     assert head == "cart: 2 DoF, non-steered (degree of mobility 2, of steerability 0)"
-    assert columns.split("  ")[0] == "wheel"
-    assert columns.endswith("slip m/s")
+    assert re.split("  +", columns) == ["wheel", "speed rad/s", "steering deg", "slip m/s"]
     assert [row.split() for row in rows] == [
         ["P1", "2.5", "-", "0"],
         ["P2", "7.5", "-", "0"],
         ["P4", "lifted"],
     ]
-
-
-def test_json_has_the_same_numbers_with_their_units(cart: Path) -> None:
     report = data("wheels", cart, *POSSIBLE)
-    assert report["structure"] == {
-        "category": "2 DoF, non-steered",
-        "dof": 2,
-        "steered": False,
-        "degree_of_mobility": 2,
-        "degree_of_steerability": 0,
-    }
-    first, _, lifted = report["wheels"]  # type: ignore[misc]
+    assert report["structure"]["degree_of_mobility"] == report["structure"]["dof"] == 2
+    first, _, lifted = report["wheels"]
     assert first["speed_rad_s"] == pytest.approx(2.5)
     assert (first["contact"], first["touches"], first["steering_deg"]) == ("P1", True, None)
     empty = {"touches": False, "speed_rad_s": None, "steering_deg": None, "slip": None}
     assert lifted == {"contact": "P4", **empty}
-    assert report["possible"] is True
-    assert report["nearest"]["velocity"] == report["velocity"] == [0.5, -0.1]  # type: ignore[index]
-    assert report["yaw_rate_deg_s"] == pytest.approx(57.29577951308232)
+    assert report["nearest"]["velocity"] == report["velocity"] == [0.5, -0.1]
+    assert caplog.text == ""
+    assert data("wheels", cart, *POSSIBLE, "-g", "3,0,-1", code=3)["standing"] is False
+    assert "the robot tips over" in caplog.text
 
 
-def test_an_impossible_motion_is_printed_in_full_and_exits_with_1(cart: Path) -> None:
+def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possible(
+    cart: Path,
+) -> None:
     result = run("wheels", cart, *IMPOSSIBLE)
-    assert result.exit_code == 1
     rows = result.stdout.splitlines()
-    assert rows[2].split() == ["P1", "2.5", "-", "0.1"]
+    assert (result.exit_code, rows[2].split()) == (1, ["P1", "2.5", "-", "0.1"])
     assert rows[5].startswith("impossible: the wheels slip sideways by 0.141421 m/s in all")
-    as_json = run("wheels", cart, *IMPOSSIBLE, "--json")
-    assert as_json.exit_code == 1
-    report = json.loads(as_json.stdout)
-    assert report["possible"] is False
+    report = data("wheels", cart, *IMPOSSIBLE, code=1)
     assert report["slip"] == pytest.approx(0.1 * math.sqrt(2.0))
     exact = wheel_speeds(Posture(lutgen.load_recipe(cart), []), (0.5, 0.0), 1.0)
     assert report["nearest"]["velocity"] == pytest.approx(exact.nearest_velocity)
-
-
-def test_the_nearest_motion_can_be_asked_for_as_it_is_printed(cart: Path) -> None:
-    printed = run("wheels", cart, *IMPOSSIBLE).stdout
-    found = re.search(r"^nearest possible: velocity (\S+) m/s, yaw rate (\S+) deg/s", printed, re.M)
+    # It can be asked for as it is printed.
+    found = re.search(r"possible: velocity (\S+) m/s, yaw rate (\S+) deg/s", result.stdout)
     assert found is not None
     good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
 
 
-def test_steering_is_printed_in_degrees_and_negative_velocities_are_read(tmp_path: Path) -> None:
+def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path: Path) -> None:
     path = tmp_path / "steered.toml"
     wheel = f'[[robot.wheel]]\ncontact = "P1"\nsteered = true\n{AXLE}'
     path.write_text(rigid(CART + wheel, name="steered"))
-    report = data("wheels", path, "--velocity", "-1,1")
-    (one,) = report["wheels"]  # type: ignore[misc]
+    (one,) = data("wheels", path, "--velocity", "-1,1")["wheels"]
     assert one["steering_deg"] == pytest.approx(-45.0)
     assert one["speed_rad_s"] == pytest.approx(-10.0 * math.sqrt(2.0))
-    assert "P1        -14.1421           -45" in good("wheels", path, "--velocity", "-1,1").stdout
 
 
 def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
@@ -103,32 +85,87 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
         *("wheels", recipe, "-p", "alpha=10", "-p", "gamma=40"),
         *("-g", "0.1,0,-1", "--velocity", "2,1", "--yaw-rate", "-30"),
     )
-    exact = wheel_speeds(
-        Posture(lutgen.load_recipe(recipe), [math.radians(10.0), math.radians(40.0)]),
-        (2.0, 1.0),
-        math.radians(-30.0),
-        (0.1, 0.0, -1.0),
-    )
-    speeds = [wheel["speed_rad_s"] for wheel in report["wheels"]]  # type: ignore[attr-defined]
+    posture = Posture(lutgen.load_recipe(recipe), [math.radians(10.0), math.radians(40.0)])
+    exact = wheel_speeds(posture, (2.0, 1.0), math.radians(-30.0), (0.1, 0.0, -1.0))
+    speeds = [wheel["speed_rad_s"] for wheel in report["wheels"]]
     assert speeds == pytest.approx([wheel.speed for wheel in exact.wheels])
     # What -p leaves out is at home, or in the middle of its range, and the answer says so.
-    middle = run("wheels", recipe, "-p", "alpha=10")
-    assert "gamma = 25 deg (middle of the range: gamma)" in middle.stdout
-    whole = run("wheels", recipe, "-p", "alpha=10", "-p", "gamma=25").stdout
-    assert [
-        line for line in middle.stdout.splitlines() if "middle" not in line
-    ] == whole.splitlines()
+    middle = stdout("wheels", recipe, "-p", "alpha=10")
+    assert "gamma = 25 deg (middle of the range: gamma)" in middle
+    whole = stdout("wheels", recipe, "-p", "alpha=10", "-p", "gamma=25")
+    assert [line for line in middle.splitlines() if "middle" not in line] == whole.splitlines()
 
 
-def test_without_a_motion_the_wheels_rest(cart: Path) -> None:
-    report = data("wheels", cart)
-    assert report["possible"] is True
-    assert [w["speed_rad_s"] for w in report["wheels"]] == [0.0, 0.0, None]  # type: ignore[attr-defined]
+# stance
 
 
-def test_a_robot_that_tips_is_computed_with_a_warning(
-    cart: Path, caplog: pytest.LogCaptureFixture
+@pytest.fixture
+def ditch(tmp_path: Path) -> Path:
+    """Return the file of two feet on walls of 45 deg."""
+    path = tmp_path / "ditch.toml"
+    path.write_text(DITCH)
+    return path
+
+
+def test_a_stance_has_a_verdict_a_region_and_forces_that_balance(ditch: Path) -> None:
+    report = data("stance", ditch)
+    assert (report["holds"], report["margin"], report["region_is_open"]) == (True, 0.0, False)
+    assert sorted(x for x, _ in report["region"]) == pytest.approx([-0.8, 0.8])
+    assert report["axes"] == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    left, right = report["feet"]
+    assert (left["name"], right["name"]) == ("P1", "right")
+    total = [a + b for a, b in zip(left["force"], right["force"], strict=True)]
+    assert total == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    # The lever's shares, and the normal of 45 deg.
+    x, _, z = right["force"]
+    assert (z, right["normal_force"]) == pytest.approx((0.65, (z - x) / math.sqrt(2.0)))
+    assert 0.0 <= left["friction_used"] <= 1.0 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("x", "said", "holds"),
+    [
+        ("0.8", "holds", True),
+        ("0.9", "does not hold", False),
+        ("0.80001", "undecided, at the limit of friction", None),
+    ],
+)
+def test_the_exit_code_is_3_unless_it_holds(
+    ditch: Path, x: str, said: str, holds: bool | None
 ) -> None:
-    report = data("wheels", cart, *POSSIBLE, "-g", "3,0,-1", code=3)
-    assert report["standing"] is False
-    assert "the robot tips over" in caplog.text
+    ditch.write_text(DITCH.replace("com = [0.3", f"com = [{x}"))
+    assert run("stance", ditch).stdout.splitlines()[0] == f"ditch: {said}"
+    report = data("stance", ditch, code=0 if holds else 3)
+    assert report["holds"] is holds
+    assert (report["feet"][0]["force"] is None) is (holds is not True)
+
+
+def test_gravity_comes_from_the_option_the_file_or_is_down(ditch: Path) -> None:
+    level, steep = data("stance", ditch), data("stance", ditch, "-g", "0.3,0,-1")
+    assert data("stance", ditch, "-g", "0,0,-9.81")["region"] == level["region"]
+    length = math.hypot(1, 0.3)
+    assert steep["axes"][0] == pytest.approx([1.0 / length, 0.0, 0.3 / length])
+    ditch.write_text(f"gravity = [0.6, 0, -2]\n{DITCH}")
+    assert data("stance", ditch)["region"] == [
+        pytest.approx(corner, abs=1e-6) for corner in steep["region"]
+    ]
+    assert data("stance", ditch, "-g", "0,0,-1")["region"] == level["region"]
+    # Without a normal a foot stands against gravity, also in a turned frame.
+    ditch.write_text(
+        "com = [-1, 0.5, 0]\ngravity = [2, 0, 0]\nfriction = 0\n"
+        "[[foot]]\nposition = [0, 0, 0]\n[[foot]]\nposition = [0.2, 1, 0]\n"
+    )
+    report = data("stance", ditch)
+    assert report["axes"] == [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+    assert [foot["normal_force"] for foot in report["feet"]] == pytest.approx([0.5, 0.5])
+    assert [foot["friction_used"] for foot in report["feet"]] == [0.0, 0.0]
+
+
+def test_a_weight_that_nothing_can_hold_has_no_region(ditch: Path) -> None:
+    text = DITCH.replace("friction = 0.5", "friction = 0").replace("[-1, 0, 1]", "[1, 0, 1]")
+    ditch.write_text(text)
+    said = run("stance", ditch).stdout
+    assert re.search(r"^margin +-$", said, re.M)
+    assert re.search(r"^region +none$", said, re.M)
+    report = data("stance", ditch, code=3)
+    assert (report["margin"], report["region"]) == (None, [])
