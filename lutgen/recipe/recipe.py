@@ -24,11 +24,14 @@ from lutgen.recipe.robot import (
     links_of,
     parameters_of,
     payloads_of,
+    three,
+    weighed,
     wheels_of,
 )
 from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
 from lutgen.recipe.rules import head_faults
 from lutgen.recipe.schema import Export, File, Gravity, Robot, Sweep
+from lutgen.vector import Vector
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,8 @@ class Recipe:
     `python` is ``"module:function"`` for a robot given by code; `function` is then
     that function.  `text` is the TOML itself and `source` its file name for messages.
     `urdf` is the content of the robot description that the recipe names.
-    Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
+    Payloads are links; `com_offset` is added to the com that links give, and `com_uncertainty` is
+    the radius of the ball in which the com lies.
     `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
     `home` has the parameters of the posture that it stands in, as far as the recipe says.
     `snapped` says which contacts are not quite where the text has them, see `snap`.
@@ -73,6 +77,7 @@ class Recipe:
     urdf: str | None = None
     forces: tuple[Force, ...] = ()
     com_uncertainty: float = 0.0
+    com_offset: Vector = ZERO
     rest_width: float | None = None
     contact_tolerance: float | None = None
     home: dict[str, float] = field(default_factory=dict)
@@ -213,7 +218,7 @@ def parse_recipe(
         upright=math.radians(robot.upright),
         rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
-        links=(*links, *payloads_of(robot)),
+        links=weighed((*links, *payloads_of(robot)), robot.mass),
         contacts=contacts,
         python=robot.python,
         grid=_grid(file.sweep, robot, parameters),
@@ -227,6 +232,7 @@ def parse_recipe(
         urdf=urdf if robot.urdf is not None else None,
         forces=forces_of(robot),
         com_uncertainty=robot.com_uncertainty,
+        com_offset=three(robot.com_offset),
         rest_width=robot.rest_width,
         contact_tolerance=robot.contact_tolerance,
         home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},
