@@ -213,12 +213,10 @@ def _balance(points: Floats, foot: Floats, normal: Floats, down: Floats) -> tupl
     first = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.9 else [0.0, 1.0, 0.0])
     axes = np.array([first, np.cross(normal, first)])
     sums = np.vstack([np.ones(len(points)), axes @ np.cross(points - foot, normal).T])
-    known = np.vstack(
-        [
-            [normal @ down, 0.0, 0.0, 0.0],
-            np.column_stack([-axes @ np.cross(foot, down), np.cross(down, axes)]),
-        ]
-    )
+    known = np.zeros((3, 4))
+    known[0, 0] = normal @ down
+    known[1:, 0] = -axes @ np.cross(foot, down)
+    known[1:, 1:] = np.cross(down, axes)
     _, singular, right = np.linalg.svd(sums)
     rank = int((singular > NOTHING * singular[0]).sum())
     return np.linalg.pinv(sums) @ known, right[rank:].T
@@ -259,7 +257,9 @@ def _advice(
         walls = np.cross(start, stop)
         if float((walls @ down / np.linalg.norm(walls, axis=1)).min()) < STANDING:
             continue
-        loads = {(recipe.contact_names[i],): 1.0 for i in facet.touching}
+        loads: dict[tuple[str, ...], float] = {
+            (recipe.contact_names[i],): 1.0 for i in facet.touching
+        }
         more = _equations(recipe, Weighing(params, loads, accuracy, slope, heading), estimate).row
         _, singular, right = np.linalg.svd(np.vstack([known, more * scale]))
         rank = int((singular > NOTHING * singular[0]).sum())

@@ -87,7 +87,9 @@ class _Reader:
             )
         self.left_out["body beside the robot"] = len(tops) - 1
         inside = [b for b in range(1, model.nbody) if model.body_rootid[b] == top]
-        links, joints, shift = [], [], {}
+        links: list[UrdfLink] = []
+        joints: list[UrdfJoint] = []
+        shift: dict[int, Floats] = {}
         for body in inside:
             chain, shift[body] = ([], np.zeros(3)) if body == top else self.chain(body, shift)
             joints += chain
@@ -114,7 +116,7 @@ class _Reader:
     def kinds(self, body: int) -> list[int]:
         """Return the kinds of a body's joints."""
         first = self.model.body_jntadr[body]
-        return self.model.jnt_type[first : first + self.model.body_jntnum[body]].tolist()
+        return list(map(int, self.model.jnt_type[first : first + self.model.body_jntnum[body]]))
 
     def chain(self, body: int, shift: dict[int, Floats]) -> tuple[list[UrdfJoint], Floats]:
         """Return the joints from a body's parent to it, and where its link is in its own frame.
