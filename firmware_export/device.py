@@ -1,7 +1,9 @@
 """An export folder that is asked: by the tables in its report, nothing is compiled."""
 
 import hashlib
+import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,15 @@ from firmware_export.emit import load_report
 from firmware_export.host import Host
 from firmware_export.protocol import restored
 from lutgen.errors import InputError, LutgenError
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, parse_recipe
 
 __all__ = ["ExportFolder"]
+
+# smap_status_t by its numbers.
+STATUS = ("OK", "ROCKS", "TIPS", "OFF_CHART", "OFF_RANGE", "CORRUPT", "INVALID")
+# What smap_read_i calls a channel that is not held, and its full scale.
+NOT_HELD, FULL_SCALE = 65535, 32767
 
 
 class ExportFolder:
@@ -69,6 +77,52 @@ class ExportFolder:
             )
         self.blob = content
         self.host = Host(content)
+
+    def read(
+        self, params: Sequence[float], gravity: Sequence[float]
+    ) -> tuple[str, dict[str, float]]:
+        """Ask the C for one point.
+
+        Parameters
+        ----------
+        params : (k,) sequence of float
+            rad or length, also beyond the axes.
+        gravity : (3,) sequence of float
+            Pointing down, any length > 0.
+
+        Returns
+        -------
+        tuple of str and dict
+            The status without its SMAP_, and the channels in rad and length: NaN where the map
+            does not hold one.
+        """
+        if self.integer:
+            return self._read_integer(params, gravity)
+        codes, readings = self.host.read([params], [gravity])
+        values = map(float, readings[0])
+        return STATUS[int(codes[0])], dict(zip(EXPORTABLE, values, strict=True))
+
+    def _read_integer(
+        self, params: Sequence[float], gravity: Sequence[float]
+    ) -> tuple[str, dict[str, float]]:
+        row = []
+        for parameter, value in zip(self.report["parameters"], params, strict=True):
+            low, high = parameter["min"], parameter["max"]
+            code = round((value - low) / (high - low) * FULL_SCALE)
+            # Above the upper end there are no steps: off range.
+            row.append(max(code, -FULL_SCALE - 1) if value <= high else -FULL_SCALE - 1)
+        # The longest vector of the same direction that fits resolves it best.
+        longest = max(map(abs, gravity))
+        down = [round(part / longest * FULL_SCALE) for part in gravity]
+        codes, readings = self.host.read_i([row], [down])
+        sdg, tip, height = (int(value) for value in readings[0])
+        steps = self.report["steps"]
+        lengths = {
+            name: math.nan if code == NOT_HELD else code * steps.get(name, math.nan)
+            for name, code in (("sdg", sdg), ("height", height))
+        }
+        sine = max(-1.0, min(1.0, tip / FULL_SCALE))
+        return STATUS[int(codes[0])], {**lengths, "tip_angle": math.asin(sine)}
 
     def recipe(self) -> Recipe:
         """Return the recipe that the report holds; its code is left alone.

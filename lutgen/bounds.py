@@ -5,10 +5,11 @@ docs/reference/bounds.md is this table.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, RecipeError, unreadable
 
-__all__ = ["BOUNDS", "Bound", "check"]
+__all__ = ["BOUNDS", "Bound", "check", "read", "short_enough"]
 
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
@@ -72,6 +73,25 @@ def check(value: int, bound: Bound, where: str, way_out: str) -> None:
             f"{where}: beyond the limit of {bound.most:,} {bound.what} (got {shown(value)}); "
             f"{way_out}."
         )
+
+
+def read(source: str, bound: Bound) -> bytes:
+    """Return the bytes of a file; RecipeError is raised if it cannot be read or is too long."""
+    try:
+        with Path(source).open("rb") as file:
+            return short_enough(file.read(bound.most + 1), source, bound)
+    except OSError as error:
+        raise unreadable(source, error) from error
+
+
+def short_enough(content: bytes, source: str, bound: Bound) -> bytes:
+    """Return bytes, or refuse too many of them with RecipeError."""
+    if len(content) > bound.most:
+        raise RecipeError(
+            f"{source}: is too long (got more than {bound.most:,} {bound.what}); leave out what "
+            "is not needed, or name another file."
+        )
+    return content
 
 
 def shown(value: int) -> str:

@@ -15,6 +15,7 @@ __all__ = [
     "MapFileError",
     "RecipeError",
     "SweepError",
+    "one_line",
     "readable",
     "suggestion",
     "unreadable",
@@ -65,10 +66,18 @@ def readable(message: str) -> str:
     """
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST - _END]} ... {message[-_END:]}"
-    return "".join(
-        character if character.isprintable() or character in "\n\t" else ascii(character)[1:-1]
-        for character in message
-    )
+    return "".join(one if one in "\n\t" else one_line(one) for one in message)
+
+
+def one_line(text: str) -> str:
+    """Return a text as one line that a terminal may show, whatever its names hold.
+
+    Examples
+    --------
+    >>> one_line("a" + chr(10) + "b") == "a" + chr(92) + "nb"
+    True
+    """
+    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:

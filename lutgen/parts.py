@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from lutgen.errors import InputError
+
 __all__ = [
     "KINDS",
     "ZERO",
@@ -27,7 +29,7 @@ __all__ = [
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
-# Share of a parameter's range by which a value may be beyond it.
+# Share of a parameter's limits by which a value may be beyond them.
 ROUNDING = 1e-9
 # Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
 # of their cache must cover this file, and does by the name of `lutgen.jit`.
@@ -68,11 +70,24 @@ class Parameter:
         """Turn values in the recipe's unit into rad or length."""
         return to_internal(values, self.display_unit)
 
-    def has(self, values: Any) -> Any:
-        """Tell of values, a number or an array, whether they are within the limits."""
+    def require(self, values: Any, where: str, low: float, high: float) -> None:
+        """Refuse values (m,) below `low` or above `high`, all in rad or length.
+
+        `where` is the file that has these limits.
+        """
         # Angles in deg round when they become rad.
-        slack = ROUNDING * (self.maximum - self.minimum)
-        return (self.minimum - slack <= values) & (values <= self.maximum + slack)
+        slack = ROUNDING * max(high - low, abs(low), abs(high))
+        inside = (low - slack <= values) & (values <= high + slack)
+        if not inside.all():
+            row = int(inside.argmin())
+            got = f"{self.shown(values[row]):.6g}"
+            if self.display_unit == "deg":
+                got += f" deg = {values[row]:.6g} rad"
+            raise InputError(
+                f"{where}: parameter {self.name} must lie in {self.shown(low):g} to "
+                f"{self.shown(high):g} {self.display_unit} (got {got}"
+                f"{f' in row {row}' if len(values) > 1 else ''}); the limits are in that file."
+            )
 
 
 @dataclass(frozen=True)

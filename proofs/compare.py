@@ -25,7 +25,7 @@ from lutgen.errors import LutgenError
 from lutgen.propose import import_urdf
 from lutgen.recipe import Recipe, gallery_names, load_recipe
 from lutgen.support import support_contact
-from lutgen.urdf import load_urdf
+from lutgen.urdf.read import load_urdf
 from lutgen.vector import Floats
 from proofs.descriptions import FOLDER
 from proofs.margins import MARGINS
@@ -104,9 +104,8 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
         ours = compare_metrics(posture, LEVEL)
     except LutgenError:
         return None
-    stance = posture.stance_of_weight()
-    facet = stance.facets[int(stance.under(LEVEL)[0])]
-    if ours.level_status > 0.0 or not facet.is_rest:
+    facet = posture.stance_of_weight().under(LEVEL[0])
+    if facet is None or ours.level_status > 0.0 or not facet.is_rest:
         return None
     level = {name: ours.level[name] for name in OURS}
     level |= {name: float(rule(facet.points, LEVEL)[0]) for name, rule in MARGINS.items()}

@@ -32,17 +32,13 @@ from lutgen.analysis import (
 from lutgen.errors import LutgenError
 from lutgen.propose import Imported, import_urdf
 from lutgen.recipe import Recipe, postures
-from lutgen.urdf import (
-    Meshes,
-    Sources,
-    UrdfRobot,
-    centre_of_mass,
-    load_srdf,
-    load_urdf,
-    places,
-    read_motion,
-    srdf_beside,
-)
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import read_motion
+from lutgen.urdf.links import centre_of_mass, places
+from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.read import load_urdf
+from lutgen.urdf.sources import Sources
+from lutgen.urdf.srdf import load_srdf, srdf_beside
 from proofs.physics.body import recipe_posture
 from proofs.physics.page import MEASURED, page
 from proofs.physics.release import falls

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from firmware_export.certify import device
 from firmware_export.host import STANDS
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 
 CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
 KIND = CHECKED // 10  # queries of each kind

@@ -3,7 +3,15 @@
 In reading order: `answers`, `jumps`, `attack`, `certificate`.
 """
 
-from firmware_export.certify.answers import Measured, Reader, Truth, device, truth
+from firmware_export.certify.answers import (
+    Measured,
+    Reader,
+    Truth,
+    device,
+    span_of,
+    statistics,
+    truth,
+)
 from firmware_export.certify.certificate import (
     POINTS,
     SEED,
@@ -13,8 +21,6 @@ from firmware_export.certify.certificate import (
     certify,
     judged_by,
     put_to_test,
-    span_of,
-    statistics,
 )
 from firmware_export.certify.jumps import find_jumps
 

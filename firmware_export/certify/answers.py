@@ -1,10 +1,11 @@
-"""What an export answers at given points, beside what is true there.
+"""Ask an export at given points, beside what is true there.
 
-Owns the step from points to queries that the target can be asked: single precision, or the integers
-of smap_read_i.  The truth is computed at the query itself, so that rounding a point is no error.
+Points become queries that the target can be asked: single precision, or the integers of
+smap_read_i.  The truth is computed at the query itself, so that rounding a point is no error.
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ NOT_ASKED = -128
 FULL_SCALE = 32767
 # Integer reading of a channel that is not held, or of a robot that tips.
 ABSENT = 65535
+# Part of the largest value by which a channel that never changes does so in double precision.
+ROUNDED = 1e-9
 # Points that are asked at a time: bounds the memory of a certificate.
 BLOCK = 1 << 17
 
@@ -183,3 +186,32 @@ def device(export: Export) -> Reader:
     if export.integer:
         return Reader(export.model, host.read_i, export.body.steps)
     return Reader(export.model, host.read)
+
+
+def span_of(seen: Sequence[Measured] | Sequence[Truth], channel: str) -> float:
+    """Return the range of a channel over the points that stand; 0 where it changes by rounding."""
+    exact = [one.exact for one in seen]
+    values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])
+    span = float(values.max() - values.min()) if len(values) else 0.0
+    return span if span > ROUNDED * float(np.abs(values).max(initial=0.0)) else 0.0
+
+
+def numbers_of(error: Floats, stands: bool) -> dict[str, float]:
+    """Return max, p99 and rms of errors; of none infinite where anything stands."""
+    if len(error) == 0:
+        return dict.fromkeys(("max", "p99", "rms"), math.inf if stands else 0.0)
+    error = np.nan_to_num(np.abs(error), nan=math.inf, posinf=math.inf)
+    return {
+        "max": float(error.max()),
+        "p99": float(np.quantile(error, 0.99, method="higher")),
+        "rms": float(np.sqrt(np.mean(error * error))),
+    }
+
+
+def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:
+    """Return max, p99 and rms of a channel's errors over points that stand and are said to.
+
+    Infinite for an answer that is no number, and where nothing that stands is said to.
+    """
+    error = np.concatenate([one.errors(channel) for one in seen])
+    return numbers_of(error, any(one.standing.any() for one in seen))

@@ -1,9 +1,8 @@
-"""The certificate of an export: its errors, and its verdict under attack, measured independently.
+"""Certify an export: measure its errors, and attack its verdict.
 
 The points are none that a fit or a choice has seen.  On them every answer is compared with the
 exact model; then the largest error is sought from the worst points, and a point that is called safe
-and tips wherever the two come close.  A table that is trained is tested on many more points
-instead, half of them beside the boundary.  Nothing here knows how a codec works.
+and tips.  A trained table is tested on many more points instead, half of them beside the boundary.
 """
 
 import math
@@ -14,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from firmware_export.certify.answers import Measured, Reader, Truth, Witness
+from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
 from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
 from firmware_export.certify.jumps import Jumps, find_jumps
 from firmware_export.quantity import ErrorBound
@@ -25,8 +24,6 @@ from lutgen.vector import Floats
 POINTS = 500_000
 # Fits and choices use seeds below 1000.
 SEED = 1001
-# Part of the largest value by which a channel that never changes does so in double precision.
-ROUNDED = 1e-9
 # Points of a test for one of another codec's certificate: 10 million.  Points of each half of a
 # part, after which it may end.
 TIMES, PART = 20, 500_000
@@ -150,35 +147,6 @@ def judged_by(channel: str, jumps: bool) -> str:
     return "p99" if jumps and channel != "tip_angle" else "max"
 
 
-def span_of(seen: Sequence[Measured] | Sequence[Truth], channel: str) -> float:
-    """Return the range of a channel over the points that stand; 0 where it changes by rounding."""
-    exact = [one.exact for one in seen]
-    values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])
-    span = float(values.max() - values.min()) if len(values) else 0.0
-    return span if span > ROUNDED * float(np.abs(values).max(initial=0.0)) else 0.0
-
-
-def _numbers(error: Floats, stands: bool) -> dict[str, float]:
-    """Return max, p99 and rms of errors; of none infinite where anything stands."""
-    if len(error) == 0:
-        return dict.fromkeys(("max", "p99", "rms"), math.inf if stands else 0.0)
-    error = np.nan_to_num(np.abs(error), nan=math.inf, posinf=math.inf)
-    return {
-        "max": float(error.max()),
-        "p99": float(np.quantile(error, 0.99, method="higher")),
-        "rms": float(np.sqrt(np.mean(error * error))),
-    }
-
-
-def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:
-    """Return max, p99 and rms of a channel's errors over points that stand and are said to.
-
-    Infinite for an answer that is no number, and where nothing that stands is said to.
-    """
-    error = np.concatenate([one.errors(channel) for one in seen])
-    return _numbers(error, any(one.standing.any() for one in seen))
-
-
 def _entry(
     every: dict[str, float], even: dict[str, float], span: float, jumps: bool
 ) -> dict[str, float]:
@@ -194,9 +162,9 @@ def _entry(
     return entry
 
 
-def _beyond(errors: Floats | None, bound: ErrorBound | None, span: float) -> float | None:
+def _beyond(errors: Floats, bound: ErrorBound | None, span: float) -> float | None:
     """Return the share of errors beyond a bound."""
-    if bound is None or errors is None:
+    if bound is None:
         return None
     limit = bound.value * (span / 100.0 if bound.relative else 1.0)
     return float(np.mean(~(errors <= limit))) if len(errors) else 0.0
@@ -211,29 +179,20 @@ def certify(
     seed: int = SEED,
     jumps: Jumps | None = None,
 ) -> Certificate:
-    """Measure an export.
+    """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
     Parameters
     ----------
-    reader : Reader
-        What answers.
-    channels : sequence of str
-        What it holds.
+    reader, channels
+        What answers, and what it holds.
     cells : Cells, optional
         Knots of its table, in whose middles errors are largest.
     bound : ErrorBound, optional
         The largest error asked for, to count the points beyond it.
-    effort : Effort, optional
-        Points, and what the searches may take.
-    seed : int
-        Of the points: a number that no fit and no choice has used.
+    effort, seed
+        Points, and what the searches may take; a seed that no fit and no choice has used.
     jumps : Jumps, optional
         What `find_jumps` said, if it was asked before.
-
-    Returns
-    -------
-    Certificate
-        With `false_safe` above 0 the export must not be used: see `refuse_false_safe`.
     """
     model, (points, count, rounds) = reader.model, effort or Effort()
     half, worst = -(-points // 2), None
@@ -257,10 +216,9 @@ def certify(
         table[name] = _entry(every, statistics([even], name), span, jumping)
     searches = [search for search in (worst, attack) if search is not None]
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
-    errors = even.errors("sdg") if "sdg" in channels else None
-    beyond = _beyond(errors, bound, table["sdg"]["range"] if "sdg" in channels else 0.0)
-    text: tuple[str, ...] = ()
-    if found.found and "sdg" in channels:
+    held, text = "sdg" in channels, tuple[str, ...]()
+    beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if held else None
+    if found.found and held:
         text = tuple(_about_jumps(model.recipe.length_unit, found, beyond, bound))
     return Certificate(
         points=sum(one.sample.points for one in seen),
@@ -326,12 +284,11 @@ def put_to_test(
     q, g = (np.concatenate(one) for one in zip(*wrong, strict=True))
     table = {}
     for name in channels:
-        numbers = _numbers(every[f"{name} off"], standing > 0)
+        numbers = numbers_of(every[f"{name} off"], standing > 0)
         tip = name == "tip_angle"
         span = 2.0 * MOST if tip else float(np.ptp(every[name])) if standing else 0.0
         table[name] = _entry(numbers, numbers, span, not tip)
-    lost, held = every["tip_angle off"], "sdg" in channels
-    span = table["sdg"]["range"] if held else 0.0
+    held = "sdg" in channels
     return Certificate(
         points=asked,
         standing=standing,
@@ -339,27 +296,25 @@ def put_to_test(
         false_safe=len(q),
         false_tip=refused / max(standing, 1),
         jumps=held,
-        beyond=_beyond(every["sdg off"] if held else None, bound, span),
+        beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if held else None,
         nearest=0.0,
         searched=0,
         seed=seed,
-        text=tuple(_about_test(lost, asked)),
+        text=_about_test(every["tip_angle off"], asked),
         witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,
         wrong=(q, g) if len(q) else None,
     )
 
 
-def _about_test(lost: Floats, points: int) -> Iterable[str]:
+def _about_test(lost: Floats, points: int) -> tuple[str, ...]:
     """Return what people should know beside the numbers; `lost` is below 0 above the truth."""
     half, most = np.degrees(np.quantile(lost, [0.5, 0.9])) if len(lost) else (0.0, 0.0)
     above = 100.0 * float(np.mean(lost < -1e-9)) if len(lost) else 0.0
     worst = math.degrees(-float(lost.min(initial=0.0)))
-    yield (
+    return (
         f"tip_angle: half of the angles are low by less than {half:.2g} deg, 9 of 10 by less than "
         f"{most:.2g} deg, and above 30 deg it says 30; {above:.2g} % are above the truth, by "
-        f"{worst:.2g} deg at most."
-    )
-    yield (
+        f"{worst:.2g} deg at most.",
         f"Tested, not proved: of {points:,} fresh points, half of them beside the boundary, none "
-        f"was falsely safe; that excludes a rate above {EXCLUDED / points:.1g}."
+        f"was falsely safe; that excludes a rate above {EXCLUDED / points:.1g}.",
     )

@@ -1,8 +1,7 @@
-"""What a robot's joints alter at most: how far contacts move, walls bend and the body leans.
+"""Bound what a robot's joints alter: how far contacts move, walls bend and the body leans.
 
-Owns the numbers by which the C bounds what it does not compute: it looks at a few postures of a way
-and must know of all the others.  Each is the largest over a lattice of postures, with a margin for
-what is between its nodes.
+The C looks at a few postures of a way and must know of all the others.  Each bound is the largest
+over a lattice of postures, with a margin for what is between its nodes.
 """
 
 from typing import NamedTuple

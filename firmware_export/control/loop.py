@@ -1,8 +1,7 @@
-"""The closed loop: the C steers a robot over a ride, with what sensors and actuators add.
+"""Close the loop: the C steers a robot over a ride, with what sensors and actuators add.
 
-Owns what happens in a cycle.  A sample is taken in the attitude that the robot has on its ground;
-the command acts some cycles later, and joints go there no faster than they can.  Where the robot
-tips is the verdict of the recipe on the attitude that it takes, not what the C thinks of it.
+A sample is taken in the attitude that the robot has on its ground; the command acts some cycles
+later, and joints go there no faster than they can.  The recipe says where the robot tips.
 """
 
 import math
@@ -101,7 +100,8 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
     _refuse(plant)
     recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()
-    low, high = (np.array([getattr(p, of) for p in recipe.parameters]) for of in _ENDS)
+    low = np.array([p.minimum for p in recipe.parameters])
+    high = np.array([p.maximum for p in recipe.parameters])
     lag, most = plant.lag(cycle), plant.rates * cycle
     count = len(ride.slope)
     params, wanted = (np.empty((count, len(start))) for _ in range(2))
@@ -122,9 +122,6 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
         wanted[i] = command[0]
         seen[:, i] = told["move"][0], told["alarm"][0], told["poses"][0]
     return Loop(_judged(steering, ride, params, wanted, down), *seen)
-
-
-_ENDS = ("minimum", "maximum")
 
 
 def _turning(ride: Ride, down: Floats, i: int, cycle: float, plant: Plant) -> Floats:

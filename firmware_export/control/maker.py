@@ -1,7 +1,4 @@
-"""A policy from robot to table: limits, the best postures, the smooth choice, what it loses.
-
-Owns the order of the steps and the defaults.
-"""
+"""Make a policy: limits of the robot, the best posture for each slope, and what the table loses."""
 
 import math
 from collections.abc import Mapping
@@ -10,20 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.control.choose import choose
 from firmware_export.control.limits import limits_of
-from firmware_export.control.measure import Loss, loss, slopes_within
-from firmware_export.control.objective import Objective, lattice, measured, scales
-from firmware_export.control.polish import polished
+from firmware_export.control.objective import lattice, measured, read, score_of
+from firmware_export.control.table import between, polished, smooth
 from firmware_export.protocol import Joint, Policy
 from firmware_export.truth import Model
 from lutgen.channels import CONVENTIONS
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
-# Slopes on which losses are measured; codes of a byte; nearness, as a part of a cycle's change;
-# joints of three points at most, of which every corner is looked at (runtime/smap_control_three.c).
-UNSEEN, CODES, NEAR, MOST_JOINTS = 100, 255, 0.02, 4
+# Slopes on which losses are measured, and their seed.
+UNSEEN, SEED = 100, 29
+# Codes of a byte; nearness, as a part of a cycle's change; joints of three points at most, of which
+# every corner is looked at (runtime/smap_control_three.c).
+CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 
 
 @dataclass(frozen=True)
@@ -33,7 +30,7 @@ class Wishes:
     Parameters
     ----------
     objective : str
-        See `Objective.of`.
+        See `score_of`.
     within : float
         By how much less than the best score will do, for the sake of smoothness.
     nodes : int
@@ -71,6 +68,23 @@ class Wishes:
     poses: int = 1
 
 
+class Loss(NamedTuple):
+    """Of a table: degrees of tip angle lost against the best posture of the lattice, and more.
+
+    `tips` is the share of slopes on which the table's posture tips, though another stands;
+    `step` the largest change (deg, or parts of a length's axis in 1/100) between two nodes.
+    """
+
+    bytes: int
+    nodes: int
+    mean: float
+    p95: float
+    largest: float
+    least_tip: float
+    tips: float
+    step: float
+
+
 class Design(NamedTuple):
     """A policy, what it loses, what the nodes' own best would jump (as `Loss.step`), its slopes."""
 
@@ -83,93 +97,101 @@ class Design(NamedTuple):
 def design(model: Model, wishes: Wishes) -> Design:
     """Return the policy of a robot, and what it loses.
 
-    Parameters
-    ----------
-    model : Model
-        The robot.
-    wishes : Wishes
-        What is asked for.
-
     Raises
     ------
     InputError
         For a robot that has nothing to move, and wishes that mean nothing.
     """
     _refuse(model, wishes)
-    names, scale = [p.name for p in model.recipe.parameters], scales(model)
-    home = np.array(model.recipe.home_params, np.float64)
-    for name, value in wishes.home.items():
-        home[names.index(name)] = value
+    parameters, n = model.recipe.parameters, wishes.nodes
+    # A move of one (rad) of each parameter: of a length, its axis.
+    scale = np.where([p.unit == "rad" for p in parameters], 1.0, model.upper - model.lower)
+    home = np.array(
+        [
+            wishes.home.get(p.name, value)
+            for p, value in zip(parameters, model.recipe.home_params, strict=True)
+        ]
+    )
     limit = math.tan(wishes.slope)
     if model.faces == 1:
         limit = min(limit, model.chart_limit)
-    along = np.linspace(-limit, limit, wishes.nodes)
+    along = np.linspace(-limit, limit, n)
     slopes = np.array([[u, v, -1.0] for u in along for v in along])
-    postures, goal = lattice(model), Objective.of(wishes.objective, wishes.margin)
-    tip, sdg = measured(model, postures, slopes, wishes.convention)
-    move2 = (((postures - home) / scale) ** 2).sum(axis=1)
-    n = wishes.nodes
-    score = goal.score(tip, sdg, move2).reshape(n, n, -1)
-    plain, smooth = (choose(postures, score, home, scale, w) for w in (0.0, wishes.within))
+    postures, scores = lattice(model), score_of(wishes.objective, wishes.margin)
+
+    def move2(params: Floats) -> Floats:
+        return np.asarray((((params - home) / scale) ** 2).sum(axis=1))
 
     def scored(params: Floats, places: Floats) -> Floats:
         uv = (2.0 * places - 1.0) * limit
         down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
-        return goal.of_postures(model, params, down, home, scale, wishes.convention)
+        return scores(*read(model, params, down, wishes.convention), move2(params))
 
+    tip, sdg = measured(model, postures, slopes, wishes.convention)
+    score = scores(tip, sdg, move2(postures)).reshape(n, n, -1)
+    first = smooth(postures, score, home, scale, wishes.within)
+    alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], first.shape)
     enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within
-    alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], smooth.shape)
-    smooth = polished((smooth, alike), enough, (model.lower, model.upper), scale, scored)
-    codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes))
+    values = polished((first, alike), enough, (model.lower, model.upper), scale, scored)
+    low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
+    step = np.maximum(high - low, 1e-6 * (model.upper - model.lower)) / CODES
     policy = Policy(
-        codes,
-        limit,
-        joints,
-        wishes.cycle,
-        wishes.latency,
-        wishes.margin,
-        wishes.levels,
-        wishes.swerve,
-        wishes.poses,
+        codes=np.rint((values - low) / step).clip(0, CODES).astype(np.uint8),
+        limit=limit,
+        joints=_joints(model, wishes, low, step),
+        **{name: getattr(wishes, name) for name in ("cycle", "latency", "margin", "levels")},
+        swerve=wishes.swerve,
+        poses=wishes.poses,
     )
-    unseen = slopes_within(limit, UNSEEN)
-    best = measured(model, postures, unseen, wishes.convention)[0].max(axis=1)
-    found = loss(model, policy, unseen, best, wishes.convention, scale)
-    jumps = max(
-        float(np.degrees(np.abs(np.diff(plain / scale, axis=axis))).max(initial=0.0))
-        for axis in (0, 1)
+    best = smooth(postures, score, home, scale, 0.0)
+    return Design(
+        policy, _loss(model, policy, postures, wishes, scale), _step(best / scale), UNSEEN
     )
-    return Design(policy, found, jumps, UNSEEN)
 
 
-def _joints(model: Model, wishes: Wishes) -> list[Joint]:
-    """Return what the C knows of each parameter; low and code are still to be found."""
+def _joints(model: Model, wishes: Wishes, low: Floats, step: Floats) -> tuple[Joint, ...]:
+    """Return what the C knows of each parameter."""
     limits, span = limits_of(model), model.upper - model.lower
     joints = []
     for at, parameter in enumerate(model.recipe.parameters):
         rate = wishes.rate.get(parameter.name, 0.25 * span[at]) * wishes.cycle
         delta = wishes.delta.get(parameter.name, span[at])
-        joints.append(
-            Joint(
-                *(0.0, 0.0, rate, delta, NEAR * rate),
-                *(float(row[at]) for row in (limits.reach, limits.bend, limits.lean)),
-            )
-        )
-    return joints
+        bounds = (float(row[at]) for row in (limits.reach, limits.bend, limits.lean))
+        joints.append(Joint(float(low[at]), float(step[at]), rate, delta, NEAR * rate, *bounds))
+    return tuple(joints)
 
 
-def _coded(
-    model: Model, values: Floats, limit: float, joints: list[Joint]
-) -> tuple[np.ndarray, float, tuple[Joint, ...]]:
-    """Return the codes (n, n, k) of postures, their limit, and the joints with their steps."""
-    low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
-    step = np.maximum(high - low, 1e-6 * (model.upper - model.lower)) / CODES
-    codes = np.rint((values - low) / step).clip(0, CODES).astype(np.uint8)
-    found = (
-        joint._replace(low=float(a), code=float(b))
-        for joint, a, b in zip(joints, low, step, strict=True)
+def _step(values: Floats) -> float:
+    """Return the largest change (deg) between two nodes of a table (n, n, k)."""
+    return max(
+        float(np.abs(np.diff(np.degrees(values), axis=axis)).max(initial=0.0)) for axis in (0, 1)
     )
-    return codes, limit, tuple(found)
+
+
+def _loss(model: Model, policy: Policy, postures: Floats, wishes: Wishes, scale: Floats) -> Loss:
+    """Return what a table loses against the best of some postures on slopes it has not seen."""
+    uv = np.random.default_rng(SEED).uniform(-policy.limit, policy.limit, (UNSEEN, 2))
+    slopes = np.concatenate([uv, -np.ones((UNSEEN, 1))], axis=1)
+    slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
+    best = measured(model, postures, slopes, wishes.convention)[0].max(axis=1)
+    values = policy.values()
+    nodes = len(values)
+    # As smap_target has them.
+    at = (slopes[:, :2] / -slopes[:, 2:] + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
+    cell = np.clip(at.astype(np.int64), 0, nodes - 2)
+    tip, _ = read(model, between(values, cell, at - cell), slopes, wishes.convention)
+    lost = np.degrees(np.maximum(best - np.maximum(tip, 0.0), 0.0))
+    stands = best >= 0.0
+    return Loss(
+        bytes=policy.table_bytes,
+        nodes=nodes,
+        mean=float(lost.mean()),
+        p95=float(np.quantile(lost, 0.95)),
+        largest=float(lost.max()),
+        least_tip=float(np.degrees(tip[stands].min(initial=np.pi))),
+        tips=float((tip[stands] < 0.0).mean()) if stands.any() else 0.0,
+        step=_step(values / scale),
+    )
 
 
 def _refuse(model: Model, wishes: Wishes) -> None:
@@ -182,8 +204,8 @@ def _refuse(model: Model, wishes: Wishes) -> None:
             f"{source}: of robots on three points control knows {MOST_JOINTS} joints (got "
             f"{model.k}); let several joints share a parameter."
         )
-    for what, given in (("home", wishes.home), ("rate", wishes.rate), ("delta", wishes.delta)):
-        for name, value in given.items():
+    for what in ("home", "rate", "delta"):
+        for name, value in getattr(wishes, what).items():
             if name not in names:
                 raise InputError(
                     f"{source}: --{what}: there is no parameter {name!r} (got {value:g}); it has "
@@ -194,18 +216,21 @@ def _refuse(model: Model, wishes: Wishes) -> None:
                 raise InputError(f"{source}: --home: {name} is off its axis (got {value:g}).")
             if what != "home" and not 0.0 < value < math.inf:
                 raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
-    if not 2 <= wishes.nodes <= 65:
-        raise InputError(f"--nodes: from 2 to 65 (got {wishes.nodes}).")
-    if wishes.poses not in (1, 2):
-        raise InputError(f"--poses: 1 or 2 (got {wishes.poses}).")
-    if wishes.convention not in CONVENTIONS:
-        raise InputError(
-            f"--convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})."
-        )
-    if not 0.0 < wishes.slope < math.radians(89.0):
-        raise InputError(f"--slope: above 0 and below 89 deg (got {math.degrees(wishes.slope):g}).")
-    for what in ("cycle", "latency", "margin", "swerve"):
-        if not 0.0 < getattr(wishes, what) < math.inf:
-            raise InputError(f"--{what}: above 0 (got {getattr(wishes, what):g}).")
-    if not math.inf > wishes.levels[0] > wishes.levels[1] > wishes.levels[2] > 0.0:
-        raise InputError(f"--levels: three angles above 0, falling (got {wishes.levels}).")
+    levels, slope = wishes.levels, math.degrees(wishes.slope)
+    above = [(what, getattr(wishes, what)) for what in ("cycle", "latency", "margin", "swerve")]
+    for good, fault in (
+        (2 <= wishes.nodes <= 65, f"nodes: from 2 to 65 (got {wishes.nodes})"),
+        (wishes.poses in (1, 2), f"poses: 1 or 2 (got {wishes.poses})"),
+        (
+            wishes.convention in CONVENTIONS,
+            f"convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})",
+        ),
+        (0.0 < slope < 89.0, f"slope: above 0 and below 89 deg (got {slope:g})"),
+        *((0.0 < value < math.inf, f"{what}: above 0 (got {value:g})") for what, value in above),
+        (
+            math.inf > levels[0] > levels[1] > levels[2] > 0.0,
+            f"levels: three angles above 0, falling (got {levels})",
+        ),
+    ):
+        if not good:
+            raise InputError(f"--{fault}.")

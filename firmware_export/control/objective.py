@@ -1,11 +1,8 @@
-"""What makes one posture better than another on a slope.
-
-Owns the objectives, their words, and the scores of a lattice of postures on slopes.
-"""
+"""Score postures on slopes: what makes one posture better than another."""
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
@@ -22,66 +19,31 @@ _PRICED = re.compile(r"tip_angle\s*-\s*([0-9.]+)\s*\*\s*move2$")
 WORDS = "tip_angle, tip_angle-X*move2, move, sdg"
 
 
-@dataclass(frozen=True)
-class Objective:
-    """An objective: the larger its score, the better.
+# Scores of tip angles (rad), |SD_g| and squared moves from home (rad): the larger, the better.
+Score = Callable[[Floats, Floats, Floats], Floats]
 
-    Parameters
-    ----------
-    kind : str
-        ``"tip_angle"``: less `price` times the square of the move from home, rad.
-        ``"move"``: the smallest move that has the tip angle `margin`.
-        ``"sdg"``: the smallest |SD_g|, as the paper has it.
-    price : float
-        rad of tip angle for a move of 1 rad.
-    margin : float
-        rad.
+
+def score_of(objective: str, margin: float) -> Score:
+    """Return the score of an objective.
+
+    ``tip_angle``, of which ``tip_angle-X*move2`` takes X rad for a move of 1 rad; ``move``: the
+    smallest move that has the tip angle `margin`; ``sdg``: the smallest |SD_g|, as in the paper.
     """
+    priced = _PRICED.match(objective.strip())
+    if not priced and objective not in ("tip_angle", "move", "sdg"):
+        raise InputError(f"--objective: unknown objective (got {objective!r}); one of {WORDS}.")
+    price = float(priced[1]) if priced else 0.0
 
-    kind: str
-    price: float = 0.0
-    margin: float = 0.0
-
-    @classmethod
-    def of(cls, text: str, margin: float) -> "Objective":
-        """Return the objective of a text.
-
-        Examples
-        --------
-        >>> Objective.of("tip_angle-0.03*move2", 0.1)
-        Objective(kind='tip_angle', price=0.03, margin=0.1)
-        """
-        found = _PRICED.match(text.strip())
-        if found:
-            return cls("tip_angle", float(found[1]), margin)
-        if text not in ("tip_angle", "move", "sdg"):
-            raise InputError(f"--objective: unknown objective (got {text!r}); one of {WORDS}.")
-        return cls(text, 0.0, margin)
-
-    def score(self, tip: Floats, sdg: Floats, move2: Floats) -> Floats:
-        """Return the scores of postures with a tip angle (rad), |SD_g| and squared move."""
-        if self.kind == "sdg":
+    def score(tip: Floats, sdg: Floats, move2: Floats) -> Floats:
+        if objective == "sdg":
             value = -sdg
-        elif self.kind == "move":
-            value = np.where(tip >= self.margin, math.pi - np.sqrt(move2), tip - math.pi)
+        elif objective == "move":
+            value = np.where(tip >= margin, math.pi - np.sqrt(move2), tip - math.pi)
         else:
-            value = tip - self.price * move2
+            value = tip - price * move2
         return np.asarray(np.where(tip >= 0.0, value, TIPS + tip))
 
-    def of_postures(
-        self,
-        model: Model,
-        params: Floats,
-        slopes: Floats,
-        home: Floats,
-        scale: Floats,
-        convention: str,
-    ) -> Floats:
-        """Return the scores (m,) of postures (m, k), each on a slope (m, 3) of its own."""
-        downs = body_gravity(model.recipe, params, slopes, convention)
-        found = evaluate_each(model.recipe, params, downs, ("sdg", "tip_angle"))
-        move2 = (((params - home) / scale) ** 2).sum(axis=1)
-        return self.score(found["tip_angle"], found["sdg"], move2)
+    return score
 
 
 def lattice(model: Model) -> Floats:
@@ -94,19 +56,16 @@ def lattice(model: Model) -> Floats:
     return np.asarray(combinations(axes))
 
 
-def scales(model: Model) -> Floats:
-    """Return what a move of one (rad) is of each parameter: of a length, its axis."""
-    units = [parameter.unit == "rad" for parameter in model.recipe.parameters]
-    return np.where(units, 1.0, model.upper - model.lower)
+def read(model: Model, postures: Floats, slopes: Floats, convention: str) -> tuple[Floats, Floats]:
+    """Return tip angle (rad) and |SD_g|, each (m,), of postures (m, k) on slopes (m, 3) or (3,)."""
+    downs = body_gravity(model.recipe, postures, slopes, convention)
+    found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
+    return found["tip_angle"], found["sdg"]
 
 
 def measured(
     model: Model, postures: Floats, slopes: Floats, convention: str
 ) -> tuple[Floats, Floats]:
     """Return tip angle (rad) and |SD_g|, each (s, p), of every posture (p, k) on slopes (s, 3)."""
-    tip, sdg = (np.empty((len(slopes), len(postures))) for _ in range(2))
-    for at, slope in enumerate(slopes):
-        downs = body_gravity(model.recipe, postures, slope, convention)
-        found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
-        tip[at], sdg[at] = found["tip_angle"], found["sdg"]
-    return tip, sdg
+    each = [read(model, postures, slope, convention) for slope in slopes]
+    return np.stack([tip for tip, _ in each]), np.stack([sdg for _, sdg in each])

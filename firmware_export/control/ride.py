@@ -1,9 +1,7 @@
-"""What a robot rides over, cycle by cycle: a path, or what a real robot has recorded.
-
-Owns how points in space and rows of a log become cycles.
-"""
+"""Make the cycles of a ride: along a path, or of what a real robot has recorded."""
 
 import math
+import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +10,13 @@ from firmware_export.control.steering import Steering
 from lutgen import bounds
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.search import Path
+from lutgen.recipe import Recipe
+from lutgen.search import Path, check_columns, read_rows
 from lutgen.vector import Floats
 
 # m/s^2.
 GRAVITY = 9.80665
+UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +28,7 @@ class Ride:
     path : Path
         Where it goes, a point for each cycle; of a log the time takes the place of x.
     slope : (n, 3) float64
-        Gravity, unit, in the frame of the ground under the robot, with inertia where it was
-        recorded.
+        Gravity, unit, in the frame of the ground under the robot, with inertia if it was recorded.
     size : (n,) float64
         What the accelerometer measures, m/s^2.
     driven : (n, k) float64, optional
@@ -54,7 +53,7 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     Raises
     ------
     InputError
-        For a speed that is none, and one at which there are too many cycles, or one alone.
+        For a speed that is not above 0 or gives too many cycles, or fewer than two.
     """
     if speed is not None:
         if not 0.0 < speed < math.inf:
@@ -65,9 +64,7 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
                 f"--speed: {length:g} of path take at least two cycles of {cycle:g} s "
                 f"(got {speed:g}); go slower, or take a shorter --cycle."
             )
-        _check(length / (speed * cycle))
-        count = math.floor(length / (speed * cycle)) + 1
-        at = np.asarray(np.arange(count) * (speed * cycle), np.float64)
+        at = _times(length / (speed * cycle)) * (speed * cycle)
         path = Path(
             _between(at, path.distance, path.position),
             np.interp(at, path.distance, np.unwrap(path.heading)),
@@ -76,33 +73,75 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     return Ride(path, path.gravity, np.full(len(path.gravity), GRAVITY))
 
 
-def ride_logged(
-    time: Floats, up: Floats, rate: Floats | None, driven: Floats, steering: Steering
-) -> Ride:
-    """Return the ride that a robot has recorded.
-
-    The ground's slope follows from accelerometer and joints as `smap_ground` has it.
+def read_log(
+    file: str | os.PathLike[str], recipe: Recipe
+) -> tuple[Floats, Floats, Floats | None, Floats]:
+    """Read what a real robot has recorded.
 
     Parameters
     ----------
+    file : path
+        CSV in UTF-8.  The first line names the columns, in any order: time (s, ascending), ax, ay,
+        az (m/s^2, body frame, at rest up), if there is a gyroscope gx, gy, gz (rad/s), and each
+        parameter of the recipe by its name, in its unit there.
+    recipe : Recipe
+        The robot.
+
+    Returns
+    -------
     time : (r,) float64
-        Ascending, s.
-    up, rate : (r, 3) float64
-        Of the accelerometer, m/s^2, at rest up; of the gyroscope, rad/s, or None.
+    up : (r, 3) float64
+    rate : (r, 3) float64 or None
     driven : (r, k) float64
-        Joints, rad or length.
-    steering : Steering
-        What is to steer.
+        rad or length.
+
+    Raises
+    ------
+    InputError
+        For anything else, with line and column.
     """
-    _check((time[-1] - time[0]) / steering.cycle)
-    count = math.floor((time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)) + 1
-    at: Floats = time[0] + np.arange(count, dtype=np.float64) * steering.cycle
+    source, joints = os.fspath(file), [p.name for p in recipe.parameters]
+
+    def check_names(_: str, names: list[str]) -> None:
+        gyroscope = RATE if any(name in names for name in RATE) else ()
+        wanted = ["time", *UP, *gyroscope, *joints]
+        check_columns(source, names, wanted, wanted)
+
+    rows, lines = read_rows(file, check_names, "a log needs at least 2 rows")
+    time, up = rows["time"], np.stack([rows[name] for name in UP], axis=1)
+    late = np.diff(time) <= 0.0
+    if late.any():
+        at = int(late.argmax()) + 1
+        raise InputError(
+            f"{source}: line {lines[at]} is not after the one before it (got time {time[at]:g} "
+            f"after {time[at - 1]:g}); sort the log by time"
+        )
+    nothing = np.abs(up).max(axis=1) < 1e-6
+    if nothing.any():
+        raise InputError(
+            f"{source}: line {lines[int(nothing.argmax())]}: the accelerometer reads nothing (got "
+            "0, 0, 0); leave the row out"
+        )
+    rate = np.stack([rows[name] for name in RATE], axis=1) if RATE[0] in rows else None
+    driven = [p.stored(rows[p.name]) for p in recipe.parameters]
+    return time, up, rate, np.stack(driven, axis=1)
+
+
+def ride_logged(
+    time: Floats, up: Floats, rate: Floats | None, driven: Floats, steering: Steering
+) -> Ride:
+    """Return the ride that a robot has recorded, of what `read_log` returns.
+
+    The ground's slope follows from accelerometer and joints as `smap_ground` has it.
+    """
+    count = (time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)
+    at: Floats = time[0] + _times(count) * steering.cycle
     ups, joints = _between(at, time, up), _between(at, time, driven)
     size = np.linalg.norm(ups, axis=1)
     felt = -ups / np.maximum(size, 1e-12)[:, None]
     slope, _ = steering.controller().ground(joints, ups)
     slope = unit_directions(np.where(np.any(slope, axis=1)[:, None], slope, felt))
-    nowhere = np.zeros(count)
+    nowhere = np.zeros(len(at))
     path = Path(np.stack([at - at[0], nowhere, nowhere], axis=1), nowhere, slope)
     turning = None if rate is None else _between(at, time, rate)
     return Ride(path, slope, size, joints, felt, turning)
@@ -113,7 +152,8 @@ def _between(at: Floats, known: Floats, rows: Floats) -> Floats:
     return np.stack([np.interp(at, known, column) for column in rows.T], axis=1)
 
 
-def _check(cycles: float) -> None:
-    """Refuse more cycles than points of a path."""
+def _times(cycles: float) -> Floats:
+    """Return the numbers of the cycles, from 0; refuse more of them than points of a path."""
     most = int(min(cycles, 1e15)) + 1
     bounds.check(most, bounds.POINTS, "the cycles of the ride", "ride for less time")
+    return np.arange(math.floor(cycles) + 1, dtype=np.float64)

@@ -1,30 +1,93 @@
-"""A robot and what steers it, ready to be asked: of a folder of `lutgen policy`, or of a recipe.
+"""Give an export a policy, write it, and steer a robot with it.
 
-Owns the two ways there.  Of a folder nothing is compiled: its map and its policy are asked by the C
-that lutgen carries.
+A folder's map and policy are asked by the C that lutgen carries; nothing of it is compiled.
 """
 
 import base64
 import binascii
 import os
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from firmware_export.codecs import usable
-from firmware_export.control.folder import steered
-from firmware_export.control.maker import Wishes
+from firmware_export.control.maker import Design, Wishes, design
 from firmware_export.device import ExportFolder
-from firmware_export.emit import default_name
+from firmware_export.emit import check_directory, default_name, write
+from firmware_export.exporter import Asked, certified
 from firmware_export.host import Controller
 from firmware_export.protocol import Blob, Export, describe
 from firmware_export.truth import Model
 from lutgen.errors import InputError
+from lutgen.mapping import StabilityMap
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
 CHANNELS = ("tip_angle",)
+
+
+def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
+    """Return an export with the policy that is asked for, and what is known of it.
+
+    Raises
+    ------
+    InputError
+        For wishes that mean nothing, and exports that are read without floats.
+    """
+    if export.integer:
+        raise InputError(
+            f"{export.recipe.source}: on-board control computes with floats (got integer "
+            "arithmetic); export with --arithmetic float."
+        )
+    found = design(export.model, wishes)
+    blob = describe(export)
+    Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it
+    return replace(export, policy=found.policy), found
+
+
+def policy(
+    source: str | os.PathLike[str] | StabilityMap | Recipe,
+    directory: str | os.PathLike[str],
+    wishes: Wishes | None = None,
+    tell: Callable[[str], None] = lambda text: None,
+    **options: Any,
+) -> tuple[dict[str, Any], Design]:
+    """Write a robot's map, its policy and the C that follows it into a folder.
+
+    Parameters
+    ----------
+    source, directory
+        As for `firmware_export.export`.
+    wishes : Wishes, optional
+        What the policy is asked for.
+    tell : callable
+        Called with a text for people before each step.
+    **options
+        `name`, `flash`, `max_error`, `channels`, `codec`, `allow_python` and `points` of
+        `firmware_export.export`.
+
+    Returns
+    -------
+    dict
+        The content of NAME_report.json.
+    Design
+        The policy, and what it loses.
+
+    Raises
+    ------
+    InputError
+        For arguments that mean nothing.
+    ExportError
+        If nothing meets what is asked for, or the folder cannot be written.
+    """
+    check_directory(directory)
+    export = certified(source, Asked(**options), tell)
+    tell("looking for the best postures")
+    export, found = steered(export, wishes or Wishes())
+    tell("writing")
+    return write(export, directory, tell), found
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,15 +1,13 @@
 """An export written as C, with its report.
 
-In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `render`, `report`,
-`trial`, `package`; the texts are in `templates/`.
+In reading order: `names`, `text`, `runtime`, `size`, `facts`, `render`, `trial`, `package`; the
+texts are in `templates/`.
 """
 
-from firmware_export.emit.facts import flash_bytes
+from firmware_export.emit.facts import bytes_text, errors_of, flash_bytes, share
 from firmware_export.emit.names import check_name, default_name
-from firmware_export.emit.package import check_directory, write
-from firmware_export.emit.report import load_report
+from firmware_export.emit.package import check_directory, load_report, write
 from firmware_export.emit.size import code_bytes
-from firmware_export.emit.words import bytes_text, errors_of, share
 
 __all__ = [
     "bytes_text",

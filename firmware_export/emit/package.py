@@ -1,6 +1,6 @@
-"""The export folder: all its files, written whole or not at all.
+"""Write the folder of an export, whole or not at all, and read its report back.
 
-Owns what a folder holds and when it may be replaced; the contents come from the emitters.
+NAME_report.json tells a folder of an export from any other, and lists its files.
 """
 
 import json
@@ -12,58 +12,88 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from firmware_export.emit import report as reports
-from firmware_export.emit.facts import MARKER, report
+from firmware_export.emit.facts import FORMAT, MARKER, report
 from firmware_export.emit.names import check_name
 from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import runtime_file
 from firmware_export.emit.trial import try_out
 from firmware_export.protocol import Export, describe, stored
+from lutgen import bounds
 from lutgen.errors import ExportError, InputError
 from lutgen.files import digest as file_digest
 
+SUFFIX = "_report.json"
 # The key of the report under which each other file has its SHA-256.
 DIGESTS = "sha256"
-# Names of our own unfinished work, which a power cut may leave behind.
-_STAGE = ".lutgen-export-"
+
+
+def load_report(directory: Path) -> dict[str, Any]:
+    """Return the report of an export folder; refuse any other folder, and a damaged report."""
+    found = sorted(path for path in directory.glob(f"*{SUFFIX}") if path.is_file())
+    if len(found) != 1:
+        raise InputError(
+            f"{directory}: is no folder of `lutgen export` (got {len(found)} files "
+            f"*{SUFFIX}); name the folder that was given to -o."
+        )
+    path = found[0]
+    try:
+        with path.open("rb") as file:
+            raw = file.read(bounds.REPORT_BYTES.most + 1)
+        bounds.check(len(raw), bounds.REPORT_BYTES, str(path), "export again")
+        content: dict[str, Any] = json.loads(raw.decode("utf-8"))
+        version = content[MARKER]
+        known = {"name", "robot", "length_unit", "arithmetic", "channels", "files"} <= set(content)
+        names = {str(parameter["name"]) for parameter in content["parameters"]}
+        if version == FORMAT and not (known and len(names) == len(content["parameters"])):
+            raise ValueError("keys are missing")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{path}: the report is damaged (got {type(error).__name__}: {error}); export again."
+        ) from error
+    if version != FORMAT:
+        raise InputError(
+            f"{path}: is of another format (got {version!r}, this lutgen knows {FORMAT}); "
+            "export again."
+        )
+    return content
 
 
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Return the files of an export folder by name, and the content of its report.
 
-    The report also holds the tables, so that they can be asked, and the digest of NAME.c.
+    The report also holds the tables, so that they can be asked, and the digest of each file.
     """
     name = check_name(export.name)
     content = report(export)
-    written = {**dict(texts(export, content)), "smap.h": runtime_file("smap.h")}
-    written["LICENSE"] = runtime_file("LICENSE")
-    if export.policy is not None:
-        written["smap_control.h"] = runtime_file("smap_control.h")
+    written = dict(texts(export, content))
+    own = ["smap.h", "LICENSE", *(["smap_control.h"] if export.policy else [])]
     files = {key: text.encode("utf-8") for key, text in written.items()}
-    last = f"{name}{reports.SUFFIX}"
+    files |= {key: runtime_file(key).encode("utf-8") for key in own}
+    last = f"{name}{SUFFIX}"
     content["files"] = [*files, last]
-    digest = file_digest(files[f"{name}.c"])
-    content["tables"] = {"source_sha256": digest, **stored(describe(export))}
-    content[DIGESTS] = {key: file_digest(files[key]) for key in sorted(files)}
-    files[last] = reports.json_text(content).encode("utf-8")
+    digests = {key: file_digest(files[key]) for key in sorted(files)}
+    content["tables"] = {"source_sha256": digests[f"{name}.c"], **stored(describe(export))}
+    content[DIGESTS] = digests
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    files[last] = text.encode("utf-8")
     return files, content
 
 
 def _reports(directory: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the name and the content of each report in a folder, of any format; {} if damaged."""
-    for path in reports.find(directory):
+    """Yield the name and the content of each report in a folder, of any format."""
+    for path in sorted(directory.glob(f"*{SUFFIX}")):
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-            yield path.name, content if isinstance(content, dict) and MARKER in content else {}
         except (OSError, ValueError, RecursionError):
             continue
+        if isinstance(content, dict) and MARKER in content:
+            yield path.name, content
 
 
-def _ours(directory: Path) -> dict[str, str | None]:
-    """Return the names that an earlier export into a folder left there.
-
-    With them stands the digest of each, None where the report does not know it.
-    """
+def _listed(directory: Path) -> dict[str, str | None]:
+    """Return the names that earlier exports left in a folder, with the digest of each if known."""
     names: dict[str, str | None] = {}
     for report_name, content in _reports(directory):
         files, known = content.get("files"), content.get(DIGESTS)
@@ -73,64 +103,51 @@ def _ours(directory: Path) -> dict[str, str | None]:
     return names
 
 
-def _staged(name: str) -> bool:
-    """Return whether a name is that of our own unfinished work."""
-    return name.startswith(_STAGE)
-
-
 def _held(directory: Path) -> list[str]:
     """Return the files in a folder and below, links, and folders without any, by their names."""
-    found = []
-    for root, folders, names in os.walk(directory):
-        place = Path(root).relative_to(directory)
-        links = [name for name in folders if (Path(root) / name).is_symlink()]
-        found += [(place / name).as_posix() for name in [*names, *links]]
-        if not folders and not names and place != Path():
-            found.append(place.as_posix())
-    return sorted(found)
+    return sorted(
+        path.relative_to(directory).as_posix()
+        for path in directory.rglob("*")
+        if path.is_symlink() or not path.is_dir() or not any(path.iterdir())
+    )
 
 
 def check_directory(directory: str | os.PathLike[str], force: bool = False) -> Path:
     """Return the folder that an export may be written to; refuse a file or foreign content.
 
     A folder that does not exist, is empty or holds an earlier export and nothing else will do.
-    With `force` so does one that holds other files, which stay unless they have the name of a new
-    one, and an export that was edited.  A link is never followed.
+    With `force` a folder may hold other files, which stay unless a new one has their name, and an
+    export that was edited.  A link is never followed.
     """
     path = Path(directory)
     try:
-        if not path.exists() and not path.is_symlink():
+        if path.is_symlink():
+            raise InputError(
+                f"{path}: is a link (got one to {path.readlink()}); name the folder that it "
+                "leads to."
+            )
+        if not path.exists():
             if not path.absolute().parent.is_dir():
                 raise InputError(
                     f"{path}: its folder does not exist (got {path.absolute().parent.name!r}); "
                     "make it first."
                 )
             return path
-        if path.is_symlink():
-            raise InputError(
-                f"{path}: is a link (got one to {path.readlink()}); name the folder that it "
-                "leads to."
-            )
         if not path.is_dir():
             raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
-        held = _held(path)
-        ours = _ours(path)
-        # Work that a power cut stopped half-way has files of two exports.
-        whole = not any(_staged(name) for name in held)
-        for name in held:
+        listed = _listed(path)
+        for name in _held(path):
             if (path / name).is_symlink():
                 raise InputError(
                     f"{path}: holds a link, which is not of an export (got {name!r}); remove it."
                 )
-            if force or _staged(name):
-                continue
-            if name not in ours:
+            if not force and name not in listed:
                 raise InputError(
                     f"{path}: holds a file that is not of an export (got {name!r}); "
                     "name an empty folder, remove it, or pass --force to write beside it."
                 )
-            known = ours[name]
-            if whole and known is not None and file_digest((path / name).read_bytes()) != known:
+            known = listed.get(name)
+            if not force and known and file_digest((path / name).read_bytes()) != known:
                 raise InputError(
                     f"{path}: holds a file that was edited since it was exported (got {name!r}); "
                     "name another folder, or pass --force to write over it."
@@ -172,33 +189,29 @@ def write(
         If it does not compile or run, or cannot be written.
     """
     path = check_directory(directory, force)
-    if not force:
-        _refuse_another_robot(path, export.recipe.name)
+    for _, found in _reports(path):
+        robot = found.get("robot", export.recipe.name)
+        if robot != export.recipe.name and not force:
+            raise InputError(
+                f"{path}: holds an export of the robot {robot!r} (got {export.recipe.name!r}); "
+                "name another folder, or pass --force to write over it."
+            )
     files, content = contents(export)
     if tell is not None:
         tell(try_out(files, export.name))
     try:
-        if path.is_dir():
-            _replace(path, files, f"{export.name}{reports.SUFFIX}")
-        else:
-            with _stage(path.absolute().parent) as stage:
-                _fill(stage, files)
-                stage.chmod(0o777 & ~_umask())
+        with _stage(path if path.is_dir() else path.absolute().parent) as stage:
+            for name, data in files.items():
+                (stage / name).parent.mkdir(parents=True, exist_ok=True)
+                (stage / name).write_bytes(data)
+            if path.is_dir():
+                _replace(path, stage, files)
+            else:
+                shutil.copymode(stage / "examples", stage)
                 stage.rename(path)
     except OSError as error:
         raise _unwritable(path, error) from error
     return content
-
-
-def _refuse_another_robot(path: Path, robot: str) -> None:
-    """Refuse to replace the export of a robot by that of another."""
-    for _, content in _reports(path):
-        found = content.get("robot", robot)
-        if found != robot:
-            raise InputError(
-                f"{path}: holds an export of the robot {found!r} (got {robot!r}); name another "
-                "folder, or pass --force to write over it."
-            )
 
 
 def _unwritable(path: Path, error: OSError) -> ExportError:
@@ -208,49 +221,26 @@ def _unwritable(path: Path, error: OSError) -> ExportError:
     )
 
 
-def _umask() -> int:
-    """Return the process's file mode mask, which can only be read by setting it."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
 @contextmanager
 def _stage(parent: Path) -> Iterator[Path]:
     """Make a folder for unfinished files, which is gone afterwards unless it was renamed."""
-    stage = Path(tempfile.mkdtemp(prefix=_STAGE, dir=parent))
+    stage = Path(tempfile.mkdtemp(prefix=".lutgen-export-", dir=parent))
     try:
         yield stage
     finally:
         shutil.rmtree(stage, ignore_errors=True)
 
 
-def _fill(stage: Path, files: dict[str, bytes]) -> None:
-    for name, content in files.items():
-        (stage / name).parent.mkdir(parents=True, exist_ok=True)
-        (stage / name).write_bytes(content)
-
-
-def _replace(path: Path, files: dict[str, bytes], first: str) -> None:
-    """Move all files into a folder that exists, once they are all on its disk."""
-    ours = _ours(path)
-    old = {name for name in _held(path) if name not in files and (name in ours or _staged(name))}
-    with _stage(path) as stage:
-        _fill(stage, files)
-        # The report first: it names the others, so that even a power cut between two moves leaves
-        # a folder that is known as an export's.
-        for name in sorted(files, key=lambda name: name != first):
-            (path / name).parent.mkdir(parents=True, exist_ok=True)
-            (stage / name).replace(path / name)
-    # Their own report last, for the same reason.
-    for name in sorted(old, key=lambda name: name.endswith(reports.SUFFIX)):
-        if _staged(name):
-            shutil.rmtree(path / name.split("/")[0], ignore_errors=True)
-        elif (path / name).is_dir():
-            (path / name).rmdir()
-        else:
-            (path / name).unlink(missing_ok=True)
-            parent = (path / name).parent
-            while parent != path and not any(parent.iterdir()):
-                parent.rmdir()
-                parent = parent.parent
+def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:
+    """Move all files of a stage into a folder that exists, and remove what an export left there."""
+    old = set(_listed(path)) & set(_held(path)) - set(files)
+    # The report first: it names the others, so that the folder is known as an export's.
+    for name in sorted(files, key=lambda name: not name.endswith(SUFFIX)):
+        (path / name).parent.mkdir(parents=True, exist_ok=True)
+        (stage / name).replace(path / name)
+    for name in old:
+        (path / name).unlink()
+        for parent in (path / name).parents:
+            if parent == path or any(parent.iterdir()):
+                break
+            parent.rmdir()

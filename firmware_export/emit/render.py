@@ -1,4 +1,4 @@
-"""The texts of an export folder: a template each, filled from the content of its report."""
+"""Fill the templates of an export folder from the content of its report."""
 
 import json
 import math
@@ -8,17 +8,10 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from firmware_export.emit import words
+from firmware_export.emit import facts
 from firmware_export.emit.names import macro
-from firmware_export.emit.runtime import control_text, runtime_text, settings
-from firmware_export.emit.text import (
-    LICENCE,
-    block_comment,
-    bytes_array,
-    columns,
-    defines,
-    plain_text,
-)
+from firmware_export.emit.runtime import LICENCE, control_text, runtime_text
+from firmware_export.emit.text import block_comment, bytes_array, columns, defines, plain_text
 from firmware_export.host import family_of
 from firmware_export.protocol import Export, describe, literal
 from lutgen._version import __version__
@@ -63,12 +56,10 @@ def texts(export: Export, content: dict[str, Any]) -> Iterator[tuple[str, str]]:
         f"{name}_report.md": "report.md",
     }
     if export.policy is not None:
-        listed |= {
-            "examples/control.c": "control.c",
-            "examples/keeper.hpp": "keeper.hpp",
-            "examples/ros2_node.cpp": "ros2_node.cpp",
-        }
-    context = _context(content) | _source(export) | _page(export, content)
+        listed["examples/control.c"] = "control.c"
+    if not export.integer:
+        listed["examples/ros2_node.cpp"] = "ros2_node.cpp"
+    context = _context(content) | _source(export)
     for file, template in listed.items():
         yield file, _environment().get_template(f"{template}.j2").render(context)
 
@@ -85,51 +76,72 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         undefined=StrictUndefined,
     )
+    filters = (block_comment, columns, defines, facts.bytes_text, facts.chart_text, facts.escaped)
+    made.filters |= {one.__name__: one for one in (*filters, facts.number, facts.share)}
     made.filters |= {
-        "block_comment": block_comment,
-        "bytes_text": words.bytes_text,
-        "chart_text": words.chart_text,
-        "columns": columns,
-        "defines": defines,
-        "escaped": words.escaped,
         "json": json.dumps,
         "literal": lambda value: literal(value, "float"),
         "middle": _middle,
-        "number": words.number,
         "posture": _posture,
-        "share": words.share,
     }
-    made.globals |= {"FALSE_TIP": words.FALSE_TIP, "licence": LICENCE, "statuses": STATUSES}
+    made.globals |= {"FALSE_TIP": facts.FALSE_TIP, "COST": COST}
+    made.globals |= {"licence": LICENCE, "statuses": STATUSES}
     return made
 
 
 def _context(content: dict[str, Any]) -> dict[str, Any]:
-    """Return the report, and what all C texts make of it."""
+    """Return the report, and what the templates make of it."""
     numbers = [int(part) for part in __version__.split("+")[0].split(".") if part.isdigit()]
-    policy = content["policy"] or {}
+    policy, pose = content["policy"] or {}, content["pose"]
+    cycle = float(policy.get("cycle_s", 0.02))
+    integer, stem = content["arithmetic"] == "integer", macro(content["name"])
+    sizes, unit = content["bytes"], content["length_unit"]
+    pose_bytes = 4 * pose["integer" if integer else "both"] + 4
+    what = f"{'bytes, measured' if sizes['measured'] else 'bytes at most'}"
+    errors = facts.errors_of(content)
     return content | {
-        "certificate": {"text": (), "beyond": None, "jumps": False}
-        | (content["certificate"] or {}),
-        "MACRO": macro(content["name"]),
-        "integer": content["arithmetic"] == "integer",
+        "certificate": {"text": ()} | (content["certificate"] or {}),
+        "MACRO": stem,
+        "integer": integer,
         "count": max(len(content["parameters"]), 1),
+        "pose_bytes": pose_bytes,
         # Arduino and PlatformIO insist on three numbers.
         "package_version": ".".join(map(str, [*numbers, 0, 0, 0][:3])),
         "sentence": f"Stability map of the robot {plain_text(content['robot'])}, read from flash",
         "axes": [
-            (p["macro"], words.axis_range(p), words.slack_text(p), p["meaning"])
+            (p["macro"], facts.axis_range(p), facts.slack_text(p), p["meaning"])
             for p in content["parameters"]
         ],
         "readings": [_reading(content, channel) for channel in content["channels"]],
-        "errors": [(name, *said) for name, said in words.errors_of(content).items() if said],
-        "macros": _macros(content),
-        "steps_macros": _steps(content),
-        "memories": _memories(content),
+        "errors": [(name, *said) for name, said in errors.items() if said],
+        "accuracy": [
+            (f"`{name}`", QUANTITIES[name].in_c, content["channels"][name]["unit"])
+            + (said or ("not measured", "", ""))
+            for name, said in errors.items()
+        ],
+        "macros": [
+            (f"{stem}_PARAMS", str(len(content["parameters"])), "number of geometry parameters"),
+            *(
+                (p["macro"], str(i), f"{p['name']}, {p['unit']}")
+                for i, p in enumerate(content["parameters"])
+            ),
+            (f"{stem}_FLASH", f"{sizes['total']}u", f"{what}: {sizes['target']}"),
+            (f"{stem}_POSE_BYTES", f"{pose_bytes}u", "RAM of a pose, addresses of 4 bytes"),
+            (f"{stem}_STACK", f"{sizes['stack']}u", f"{what}: the deepest call"),
+        ],
+        "steps_macros": [
+            (
+                f"{stem}_{channel.upper()}_STEP",
+                literal(step, "float"),
+                f"{'ratio' if unit == '1' else unit} in one step",
+            )
+            for channel, step in content["steps"].items()
+        ],
         "joints": ", ".join(f'"{p["name"]}"' for p in content["parameters"]),
         "home": ", ".join(literal(value, "float") for value in policy.get("home", ())),
-        "cycle": literal(policy.get("cycle_s", 0.0), "float"),
-        "period": repr(float(policy.get("cycle_s", 0.0))),
-        "milliseconds": max(1, math.floor(1000.0 * policy.get("cycle_s", 0.0) + 0.5)),
+        "cycle": literal(cycle, "float"),
+        "period": repr(cycle),
+        "milliseconds": max(1, math.floor(1000.0 * cycle + 0.5)),
     }
 
 
@@ -158,53 +170,19 @@ def _reading(content: dict[str, Any], channel: str) -> tuple[str, str]:
     return channel, f"{said} ({macro(content['name'])}_{channel.upper()}_STEP, {unit})"
 
 
-def _memories(content: dict[str, Any]) -> list[tuple[str, str, int, str]]:
-    """Return the types of memory: what for, the first member, further words, and the suffix."""
-    pose, first = content["pose"], "smap_pose_t pose"
-    rows = [
-        ("A pose of both forms", first, pose["both"] - 1, "pose_t"),
-        ("A pose of SMAP_INTEGER alone", first, pose["integer"] - 1, "pose_i_t"),
-    ]
-    if content["policy"]:
-        words_, first = content["policy"]["state_words"], "const smap_control_t *control"
-        rows.append(("On-board control, see smap_control.h", first, words_, "state_t"))
-    return rows
-
-
-def _macros(content: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Return the macros of a header: name, value and comment."""
-    stem, parameters = macro(content["name"]), content["parameters"]
-    sizes, pose = content["bytes"], content["pose"]
-    pose_words = pose["both" if content["arithmetic"] == "float" else "integer"]
-    what = "bytes, measured" if sizes["measured"] else "bytes at most"
-    return [
-        (f"{stem}_PARAMS", str(len(parameters)), "number of geometry parameters"),
-        *((p["macro"], str(i), f"{p['name']}, {p['unit']}") for i, p in enumerate(parameters)),
-        (f"{stem}_FLASH", f"{sizes['total']}u", f"{what}: {sizes['target']}"),
-        (f"{stem}_POSE_BYTES", f"{4 * pose_words + 4}u", "RAM of a pose, addresses of 4 bytes"),
-        (f"{stem}_STACK", f"{sizes['stack']}u", f"{what}: the deepest call"),
-    ]
-
-
-def _steps(content: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Return the macros of the steps in which whole numbers count."""
-    unit = "ratio" if content["length_unit"] == "1" else content["length_unit"]
-    stem = macro(content["name"])
-    return [
-        (f"{stem}_{channel.upper()}_STEP", literal(step, "float"), f"{unit} in one step")
-        for channel, step in content["steps"].items()
-    ]
-
-
 def _source(export: Export) -> dict[str, Any]:
     """Return what NAME.c holds beside the report: the runtime and the tables."""
     name, policy, blob = export.name, export.policy, describe(export)
     family = family_of(blob.codec, blob.integer)
-    counts: dict[str, Any] = {"SMAP_OWN_BLOB": f"{name}_tables", "SMAP_OWN_BYTES": len(blob.bytes)}
-    counts |= settings(export.body, export.model.k)
+    counts: dict[str, Any] = {
+        "SMAP_OWN_BLOB": f"{name}_tables",
+        "SMAP_OWN_BYTES": len(blob.bytes),
+        "SMAP_MAX_PARAMS": max(export.model.k, 1),
+        "SMAP_SERIES": 0,
+        **dict(export.body.macros),
+    }
     found = {
         "runtime": runtime_text(family),
-        "control": "",
         "too_large_for_avr": len(blob.bytes) > LARGEST_AVR,
         "tables_text": bytes_array("SMAP_OWN_BLOB", blob.bytes, blob.sections),
         "counts_text": counts,
@@ -219,44 +197,3 @@ def _source(export: Export) -> dict[str, Any]:
         found["control"] = control_text(family)
         found["policy_text"] = bytes_array("SMAP_OWN_POLICY", packed, sections)
     return found
-
-
-def _page(export: Export, content: dict[str, Any]) -> dict[str, Any]:
-    """Return the tables of NAME_report.md."""
-    sizes, escaped = content["bytes"], words.escaped
-    return {
-        "flash_rows": [(part, f"{sizes[part]:,}") for part in words.PARTS if part in sizes],
-        "table_rows": [
-            (array.name, array.ctype, f"{array.numbers.size:,}", escaped(array.comment))
-            for array in export.body.arrays
-            if array.table and array.bytes
-        ],
-        "cost_rows": [
-            (
-                f"{c['target']}, {c['option']}",
-                COST[c["call"]],
-                c["unit"],
-                *("-" if c[key] is None else f"{c[key]:,}" for key in ("median", "max", "stack")),
-            )
-            for c in content["counts"] or ()
-        ],
-        "range_rows": [
-            (escaped(p["name"]), words.axis_range(p), escaped(p["meaning"]))
-            for p in content["parameters"]
-        ],
-        "accuracy_rows": [
-            (f"`{name}`", QUANTITIES[name].in_c, content["channels"][name]["unit"])
-            + (said or ("not measured", "", ""))
-            for name, said in words.errors_of(content).items()
-        ],
-        "candidate_rows": [
-            (
-                str(row.get("label", "")),
-                f"{row['bytes']:,}",
-                "not measured" if row.get("total_bytes") is None else f"{row['total_bytes']:,}",
-                "-" if row.get("error") is None else f"{words.number(row['error'], 3)} %",
-                "**chosen**" if row.get("chosen") else "",
-            )
-            for row in content["pareto"] or ()
-        ],
-    }

@@ -1,14 +1,9 @@
-"""Text of C: literals, aligned tables, comments; no line longer than 100 characters.
-
-It knows the syntax of constants, not what they mean.
-"""
+"""Write C: comments, aligned tables and bytes, in lines of at most 100 characters."""
 
 import re
 import textwrap
 from collections.abc import Sequence
 
-# On top of every file of C, as the licence asks.
-LICENCE = "/* SPDX-License-Identifier: MIT\n * Copyright (c) The lutgen authors */\n"
 WIDTH = 100
 
 

@@ -1,7 +1,4 @@
-"""On-board control asked on this machine: the C of `smap_control.h`, of many robots at a time.
-
-Owns the shapes and types of samples and commands, and the memory of states.
-"""
+"""Ask the C of `smap_control.h` on this machine, for many robots at a time."""
 
 import ctypes
 from typing import Any
@@ -93,22 +90,10 @@ class Controller:
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.int8]]:
         """Ask smap_step once for each of n robots, which keep their states.
 
-        Parameters
-        ----------
-        posture, desired : (n, k) array_like
-            Joints, rad or length; without `desired` the policy goes where it will.
-        up, own : (n, 3) array_like
-            What the accelerometer reads, and the acceleration that is known, m/s^2.
-        rate : (n, 3) array_like
-            What the gyroscope reads, rad/s.
-
-        Returns
-        -------
-        command : (n, k) float32
-        cycle : (n,) structured
-            As smap_cycle_t, see `CYCLE`.
-        status : (n,) int8
-            See smap_status_t.
+        `posture` and `desired` (n, k) are joints, rad or length; `up` and `own` (n, 3) what the
+        accelerometer reads and the acceleration that is known, m/s^2; `rate` (n, 3) the gyroscope,
+        rad/s.  Without `desired` the policy goes where it will.  Returns command (n, k), cycle
+        (n,), see `CYCLE`, and status (n,).
         """
         rows = self._rows(posture)
         count = len(rows)
@@ -178,16 +163,8 @@ def budget(
 ) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
     """Ask smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
 
-    Parameters
-    ----------
-    blob : Map
-        Read with floats.
-    params : (m, k) array_like
-        rad or length.
-    gravity, direction : (m, 3) array_like
-        Down, and where the robot accelerates; body frame, any length > 0.
-    reads : int
-        Reads of the map for each.
+    `params` (m, k) are rad or length; `gravity` and `direction` (m, 3) down and where the robot
+    accelerates, in the body frame, of any length > 0; `reads` are the reads of the map for each.
     """
     rows = np.ascontiguousarray(params, np.float32)
     downs = np.ascontiguousarray(gravity, np.float32)

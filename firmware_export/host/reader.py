@@ -1,7 +1,4 @@
-"""The C runtime asked on this machine: many queries of a map that is in memory.
-
-Owns the shapes and types of queries and answers, and the threads: C holds no lock of Python's.
-"""
+"""Ask the C runtime on this machine many queries of a map in memory, with all its cores."""
 
 import ctypes
 import os
@@ -81,44 +78,19 @@ class Host:
     def read(
         self, params: ArrayLike, gravity: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-        """Ask smap_read.
+        """Ask smap_read of postures (m, k) and gravity (m, 3), down, of any length > 0.
 
-        Parameters
-        ----------
-        params : (m, k) array_like
-            rad or length.
-        gravity : (m, 3) array_like
-            Down, any length > 0.
-
-        Returns
-        -------
-        status : (m,) int8
-            See smap_status_t.
-        reading : (m, 3) float32
-            sdg, tip_angle (rad, guard subtracted), height.
+        Returns status (m,), and sdg, tip_angle (rad, guard subtracted) and height (m, 3).
         """
         status, reading = self.ask("read", params, gravity)
-        columns = [reading[name] for name in ("sdg", "tip_angle", "height")]
-        return status, np.stack(columns, axis=1)
+        return status, np.stack([reading[name] for name in ("sdg", "tip_angle", "height")], axis=1)
 
     def read_i(
         self, params_q: ArrayLike, gravity_q: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
-        """Ask smap_read_i.
+        """Ask smap_read_i of steps (m, k), 0 to 32767 on each axis, and whole gravity (m, 3).
 
-        Parameters
-        ----------
-        params_q : (m, k) array_like of int
-            0 to 32767 between the ends of each axis.
-        gravity_q : (m, 3) array_like of int
-            Down, any length > 0.
-
-        Returns
-        -------
-        status : (m,) int8
-            See smap_status_t.
-        reading : (m, 3) int32
-            sdg and height in steps, tip in 1 / 32767.
+        Returns status (m,), and sdg, tip (1 / 32767) and height (m, 3), lengths in steps.
         """
         status, reading = self.ask("read_i", params_q, gravity_q)
         columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
@@ -127,25 +99,9 @@ class Host:
     def at(
         self, params: ArrayLike, gravity: ArrayLike, integer: bool = False
     ) -> tuple[int, NDArray[np.int8], NDArray[Any]]:
-        """Make one pose and ask smap_at, or smap_at_i, under many directions.
+        """Make one pose of params (k,) and ask smap_at, or smap_at_i, of gravity (m, 3).
 
-        Parameters
-        ----------
-        params : (k,) array_like
-            rad or length.
-        gravity : (m, 3) array_like
-            Down; whole numbers for smap_at_i.
-        integer : bool
-            Whether the integer form is asked.
-
-        Returns
-        -------
-        made : int
-            The status of smap_pose.
-        status : (m,) int8
-            See smap_status_t.
-        reading : (m,) structured
-            As smap_reading_t or smap_reading_i_t.
+        Returns the status of smap_pose, and status (m,) and reading (m,) of each direction.
         """
         row = np.ascontiguousarray(params, np.float32)
         downs = np.ascontiguousarray(gravity, np.int16 if integer else np.float32)

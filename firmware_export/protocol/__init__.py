@@ -1,12 +1,11 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `array`, `policy`, `exported`, `blob`, `info`.
+In reading order: `array`, `policy`, `codec`, `blob`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
-from firmware_export.protocol.exported import Export
-from firmware_export.protocol.info import Codec, Tables
+from firmware_export.protocol.codec import Codec, Export, Tables
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy
 
 __all__ = [

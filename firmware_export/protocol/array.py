@@ -1,7 +1,4 @@
-"""What a codec hands to the emitter of C: its numbers in order, and what reads them.
-
-This file knows no C beyond the names of its types; `blob` lays the bytes out.
-"""
+"""Hold what a codec hands over: its numbers in order, and what reads them."""
 
 from dataclasses import dataclass
 from typing import Any

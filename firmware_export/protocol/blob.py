@@ -1,7 +1,6 @@
-"""The blob of a map: descriptor and tables as one run of bytes, with a CRC-32 in front.
+"""Lay a map out as one run of bytes: a CRC-32, descriptor and tables, as runtime/smap_map.h says.
 
-The layout is that of runtime/smap_map.h.  The exported file, the report and what this
-machine is asked are all made of these bytes.
+The exported file, the report and what this machine is asked are all made of these bytes.
 """
 
 import base64
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from firmware_export.protocol.array import CArray, CBody
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol.codec import Export
 from firmware_export.truth import Model, slack
 
 VERSION = 3

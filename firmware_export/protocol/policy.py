@@ -1,7 +1,4 @@
-"""A policy as bytes: settings and table, as runtime/smap_state.h has them.
-
-Owns the layout; what the numbers are is found by the room `control`.
-"""
+"""Lay a policy out as bytes: settings and table, as runtime/smap_state.h has them."""
 
 import zlib
 from dataclasses import dataclass

@@ -1,10 +1,9 @@
 """What an export stands for: the exact answers, and where they are asked.
 
-In reading order: `model`, `beyond`, `tip_boundary`, `sample`, `series`, `rest`.
+In reading order: `model`, `crossing`, `tip_boundary`, `sample`, `series`, `rest`.
 """
 
-from firmware_export.truth.beyond import slack, widened
-from firmware_export.truth.model import Exact, Model, combinations
+from firmware_export.truth.model import Exact, Model, combinations, slack, widened
 from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.sample import (
     Cells,

@@ -1,25 +1,23 @@
-"""What is exported: a recipe's robot over its box of parameters and its chart of directions.
-
-Owns the questions that encoders, chooser and certificate ask of the robot.  Every answer comes from
-the exact kernels; nothing is read from a map's nodes.
-"""
+"""Answer for a recipe's robot over its box of parameters and its chart of directions, exactly."""
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import (
-    measure_recipe,
-    wanted_channels,
-)
+from lutgen.channels import measure_recipe, wanted_channels
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
+from lutgen.parts import Parameter
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.vector import Floats
+
+# Slack of a sensor beyond the ends of an axis: rad, and parts of an axis of lengths.
+SLACK, SLACK_SHARE = math.radians(0.5), 0.005
 
 
 def combinations(axes: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -133,3 +131,20 @@ class Model:
         wanted = wanted_channels(names)
         values = measure_recipe(self.recipe, where, directions, wanted, tighter)
         return Exact(*(values[CHANNELS.index(name)] for name in names))
+
+
+def slack(parameter: Parameter) -> float:
+    """Return how far beyond the ends of its axis a parameter is still read (rad or length)."""
+    span = parameter.maximum - parameter.minimum
+    return min(SLACK, span) if parameter.unit == "rad" else SLACK_SHARE * span
+
+
+@lru_cache(maxsize=8)
+def widened(model: Model) -> Model:
+    """Return the model over its box and what sensors may say beyond its ends."""
+    recipe = model.recipe
+    wider = tuple(
+        replace(p, minimum=p.minimum - slack(p), maximum=p.maximum + slack(p))
+        for p in recipe.parameters
+    )
+    return Model(replace(recipe, parameters=wider))

@@ -15,8 +15,7 @@ from itertools import product
 
 import numpy as np
 
-from firmware_export.truth.beyond import widened
-from firmware_export.truth.model import Model
+from firmware_export.truth.model import Model, widened
 from firmware_export.truth.series import evaluate, expand, greatest, on_grid, steepest
 from lutgen.channels import acceptance_of
 from lutgen.vector import Floats

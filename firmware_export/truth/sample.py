@@ -1,9 +1,8 @@
-"""Where an export is measured: postures of the box and directions of the chart.
+"""Choose where an export is measured: postures of the box and directions of the chart.
 
-Owns the points, not what is found there.  `uniform` stands for the configurations that a robot
-meets; `biased` goes where tables err most: faces, edges and corners of the box, the rim of the
-chart, the middles of a table's cells, and both sides of the tip-over boundary.  The same seed gives
-the same points.
+`uniform` stands for the configurations that a robot meets; `biased` goes where tables err most:
+faces, edges and corners of the box, the rim of the chart, the middles of a table's cells, and both
+sides of the tip-over boundary.  The same seed gives the same points.
 """
 
 import itertools

@@ -1,16 +1,17 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `stance`, `lying`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`,
-`tilt`, `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`,
-`tilt_table`, `budget`, `balance`, `uneven_region`, `uneven`.
+In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
+`ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
+`budget`, `balance`, `uneven`, `footing`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
-from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
-from lutgen.analysis.ground_tilt import GroundTilt, ground_limits, ground_tilt
-from lutgen.analysis.lying import below_ground
+from lutgen.analysis.footing import read_footing
+from lutgen.analysis.forces import heuristic_forces, normal_forces
+from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
+from lutgen.analysis.posture import Facet, Posture, below_ground
 from lutgen.analysis.rolling import (
     hold_limits,
     holds,
@@ -20,7 +21,6 @@ from lutgen.analysis.rolling import (
     rolls,
 )
 from lutgen.analysis.sliding import slide_limits, slopes
-from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
@@ -55,16 +55,15 @@ __all__ = [
     "diagnose",
     "equilibrium",
     "even_headings",
-    "ground_limits",
     "ground_tilt",
     "heuristic_forces",
     "hold_limits",
     "holds",
     "level_frames",
-    "load_corners",
     "may_hold",
     "normal_forces",
     "posture_limits",
+    "read_footing",
     "roll_limits",
     "rolling_gravity",
     "rolls",

@@ -1,6 +1,6 @@
 """How hard a robot may brake, speed up and turn before it tips over: its budgets.
 
-Owns the exact limits.  A robot that accelerates feels gravity and inertia together, g - a; it tips
+A robot that accelerates feels gravity and inertia together, g - a; it tips
 where that direction leaves the standing region.  The tip-over angle changes by no more than the
 direction turns, so a direction that is turned by as much as was read, and read again, comes to the
 limit and never beyond it, whatever robot it is.

@@ -1,6 +1,6 @@
 """One posture under one direction, explained: facet, tip-over axes, forces, sliding.
 
-Owns what a map does not store.  `diagnose` is for people and plots; it is exact and not fast.
+It says what a map does not store, for people and plots; it is exact and not fast.
 """
 
 import math
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.forces import heuristic_forces, load_corners, smallest_load
-from lutgen.analysis.stance import Facet, Posture
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import (
     MU,
     PHI,

@@ -1,8 +1,8 @@
 """Normal forces: what each contact on the ground may carry, and how much it does.
 
-Owns the loads that balance: of more than three contacts, and of those that lie in a line or inside
-the support polygon, statics leaves the distribution open.  All of them are the mixtures of a few,
-the corners of that set, each of which rests on three contacts at most.
+Of more than three contacts, and of those that lie in a line or inside the support polygon, statics
+leaves the distribution open.  All loads that balance are the mixtures of a few, the corners of that
+set, each of which rests on three contacts at most.
 """
 
 from itertools import combinations
@@ -28,18 +28,9 @@ def load_corners(points: Floats, pierced: Floats) -> Floats:
     contacts of which none can be left out: one under D_g, two with D_g between them, or three
     round it.
 
-    Parameters
-    ----------
-    points : (k, 3) float64
-        Contact points in one plane, in any order; any may lie in a line or inside the others.
-    pierced : (3,) float64
-        D_g, in the same plane.
-
-    Returns
-    -------
-    (c, k) float64
-        A load per row.  No row where D_g is outside the polygon by more than 1e-10 of the contacts'
-        spread; one where the balance leaves no choice.
+    `points` (k, 3) are in one plane, in any order; any may lie in a line or inside the others.
+    D_g, `pierced` (3,), is in the same plane.  There is no row where it is outside the polygon by
+    more than 1e-10 of the contacts' spread, and one where the balance leaves no choice.
     """
     arm = _flat(points, pierced)
     k, near = len(arm), np.hypot(*arm.T) <= ON
@@ -72,14 +63,8 @@ def normal_forces(points: Floats, pierced: Floats) -> Floats:
     D_g alone fix the shares of three contacts, whatever mu is.  Of more than three, or three in a
     line, the balance may leave a choice; this is the solution of the smallest sum of squares in
     which no contact pulls at the ground.  Where D_g is outside the polygon there is none, and some
-    share is negative, or, of contacts in a line, the moments do not balance.
-
-    Parameters
-    ----------
-    points : (k, 3) float64
-        Contact points in one plane, in any order; any may lie in a line or inside the others.
-    pierced : (3,) float64
-        D_g, in the same plane.
+    share is negative, or, of contacts in a line, the moments do not balance.  Parameters are those
+    of `load_corners`.
     """
     return smallest_load(points, pierced, load_corners(points, pierced))
 

@@ -1,7 +1,6 @@
 """The ground under a robot: what an accelerometer says about body and ground.
 
-It has T_g as a matrix and the ground's plane in the body frame; `lutgen.channels.resting` explains
-the conventions.
+`lutgen.channels.resting` explains the conventions.
 """
 
 import math
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import turned
 from lutgen.chart import gravity_from_up, unit_directions
 from lutgen.errors import InputError
@@ -29,15 +28,14 @@ def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class TangentPlane:
-    """The ground under a robot, from an accelerometer reading.
+    """The ground under a robot, from an accelerometer reading; angles in rad.
 
-    `roll` and `pitch` are the body's attitude (rad): body = Ry(pitch) Rx(roll) after any heading,
-    so a lowered nose has positive pitch and a lowered right side positive roll.  `normal` (3,) is
-    the ground's upward normal in the body frame and `height` the com's distance from the ground.
-    `slope` (rad) is the ground's inclination, `downhill` (rad) the heading in which it falls (0
-    ahead, pi/2 to the left), and `gravity` (3,) the gravity direction relative to the contact
-    plane, convention P.  `standing` is the verdict in this attitude; where the robot tips, the
-    ground is taken to be the plane of the facet that gravity pierces first.
+    `roll` and `pitch` are the body's attitude: body = Ry(pitch) Rx(roll) after any heading, so a
+    lowered nose has positive pitch and a lowered right side positive roll.  `normal` (3,) is the
+    ground's upward normal in the body frame and `height` the com's distance from the ground.
+    `slope` is the ground's inclination, `downhill` the heading in which it falls (0 ahead, pi/2 to
+    the left), and `gravity` (3,) relative to the contact plane.  `standing` is the verdict; where
+    the robot tips, the ground is the plane of the facet that gravity pierces first.
     """
 
     roll: float
@@ -53,16 +51,8 @@ class TangentPlane:
 def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
     """Return the ground's orientation under a posture from an accelerometer reading.
 
-    Parameters
-    ----------
-    posture : Posture
-    up_dir : (3,) array_like
-        What the accelerometer reads (specific force, body frame), any length > 0.
-
-    Raises
-    ------
-    InputError
-        Where gravity pierces no support facet: then nothing is known of the ground.
+    `up_dir` (3,) is what the accelerometer reads (specific force, body frame), any length > 0.
+    Refused where gravity pierces no support facet: then nothing is known of the ground.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import MU, PHI, RHO
 from lutgen.support import ACCEPTED, edge_after, ends_of, is_inner, rests_at
 from lutgen.vector import Floats
@@ -53,10 +53,6 @@ class Edge:
         found = np.arctan2(self.reach, ahead) + np.arcsin(share)
         return np.where((ahead > 0.0) & (found < math.pi / 2.0), found, math.pi / 2.0)
 
-    def outside(self, slopes: Floats) -> Floats:
-        """Return how far slopes (j, 2) are beyond this edge: the tangent of an angle, roughly."""
-        return np.asarray(slopes @ self.normal - self.reach)
-
     def holds(self, slope: Floats) -> bool:
         """Tell whether the robot rolls on where gravity passes the edge at a slope (2,)."""
         if self.held is None:
@@ -71,51 +67,11 @@ class Edge:
         return math.atan2(self.normal[1], self.normal[0])
 
     @property
-    def ahead(self) -> list[tuple[float, float]]:
-        """Headings (rad) that lead towards this edge, as one or two parts of the circle."""
-        low, high = self.steepest - math.pi / 2.0, self.steepest + math.pi / 2.0
-        parts = [(max(low, -math.pi), min(high, math.pi))]
-        if low < -math.pi:
-            parts.append((low + 2.0 * math.pi, math.pi))
-        if high > math.pi:
-            parts.append((-math.pi, high - 2.0 * math.pi))
-        return parts
-
-    @property
-    def least_held(self) -> float:
-        """The least tilt (rad) at which the robot rolls over it; infinite where it does not."""
-        return math.inf if self.held is None else _least_tilt(*self.held)
-
-    @property
     def least_free(self) -> float:
         """The least tilt (rad) at which the robot tips over it."""
         if self.held is None:
-            return _least_tilt(*self.ends)
-        return min(_least_tilt(*pair) for pair in zip(self.ends, self.held, strict=True))
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """Headings from `begin` to `end` (rad) in which the robot tips over one edge of a rest.
-
-    It tips over `over` at the tilt at which gravity reaches `limit`: the same edge, or the one that
-    it rolled over if it does not stay on the rest beyond.
-    """
-
-    begin: float
-    end: float
-    limit: Edge
-    over: Edge
-
-    def lowest(self) -> tuple[float, float]:
-        """Return the least limit (rad) and its heading (rad)."""
-        steepest = self.limit.steepest
-        turns = np.array([-2.0, 0.0, 2.0]) * math.pi
-        inside = [steepest + turn for turn in turns if self.begin < steepest + turn < self.end]
-        places = np.array([*inside, self.begin, self.end])
-        tilts = self.limit.tilt(places)
-        at = int(tilts.argmin())
-        return max(float(tilts[at]), 0.0), float(places[at])
+            return least_tilt(*self.ends)
+        return min(least_tilt(*pair) for pair in zip(self.ends, self.held, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,24 +149,16 @@ def _edge(
     held = None
     low, high = region.edge[e]["held"]
     if beyond >= 0 and low < high and not posture.recipe.loaded:
-        points = np.array([start + low * (stop - start), start + high * (stop - start)])
-        held = _slopes(points, frame) if _arrives(posture, e, points) else None
+        points = start + np.array([[low], [high]]) * (stop - start)
+        here, there = (region.seat[k]["normal"] for k in rests_at(region, e))
+        wall = region.edge[region.edge[e]["twin"]]["wall"]
+        # A low com under large wheels balances between the two rests: not past the edge then.
+        if (points @ least_rotation(here, there).T @ wall >= 0.0).all():
+            held = _slopes(points, frame)
     primitives = (region.edge[i]["primitive"] for i in (e, edge_after(region, e)))
     i, j = (int(region.source[primitive]) for primitive in primitives)
-    where = _slopes(np.array(ends), frame)
-    onto = -1 if held is None else beyond
+    where, onto = _slopes(np.array(ends), frame), -1 if held is None else beyond
     return Edge(np.array([-x, -y]), -float(z), push, (i, j), where, held, onto)
-
-
-def _arrives(posture: Posture, e: int, points: Floats) -> bool:
-    """Tell whether gravity through points (2, 3) of edge e is past the same edge after the roll.
-
-    It is not where a low com under large wheels balances between the two rests.
-    """
-    region = posture.stance.region
-    here, there = (region.seat[k]["normal"] for k in rests_at(region, e))
-    wall = region.edge[region.edge[e]["twin"]]["wall"]
-    return bool((points @ least_rotation(here, there).T @ wall >= 0.0).all())
 
 
 def _slopes(points: Floats, frame: Floats) -> Floats:
@@ -219,7 +167,7 @@ def _slopes(points: Floats, frame: Floats) -> Floats:
     return np.asarray(seen[:, :2] / -seen[:, 2:])
 
 
-def _least_tilt(start: Floats, stop: Floats) -> float:
+def least_tilt(start: Floats, stop: Floats) -> float:
     """Return the least tilt (rad) on a straight line between two slopes."""
     side = stop - start
     place = -float(start @ side) / max(float(side @ side), NOTHING**2)

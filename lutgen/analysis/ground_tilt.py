@@ -9,16 +9,16 @@ sees: its body turns further than the ground does where it rocks.
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.ground_seat import SAME, Edge, Piece, Seat, seat_on
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.ground_seat import SAME, Edge, Seat, least_tilt, seat_on
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
-from lutgen.recipe import Recipe
 from lutgen.support import ACCEPTED
 from lutgen.vector import Floats
 
@@ -28,6 +28,30 @@ ON = 1e-9
 ROUNDING = 1e-12
 # At which edge the limit is, over which edge the robot goes, and whether it rolls there.
 Leaving = tuple[Edge, Edge, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Headings from `begin` to `end` (rad) in which the robot tips over one edge of a rest.
+
+    It tips over `over` at the tilt at which gravity reaches `limit`: the same edge, or the one that
+    it rolled over if it does not stay on the rest beyond.
+    """
+
+    begin: float
+    end: float
+    limit: Edge
+    over: Edge
+
+    def lowest(self) -> tuple[float, float]:
+        """Return the least limit (rad) and its heading (rad)."""
+        steepest = self.limit.steepest
+        turns = np.array([-2.0, 0.0, 2.0]) * math.pi
+        inside = [steepest + turn for turn in turns if self.begin < steepest + turn < self.end]
+        places = np.array([*inside, self.begin, self.end])
+        tilts = self.limit.tilt(places)
+        at = int(tilts.argmin())
+        return max(float(tilts[at]), 0.0), float(places[at])
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +91,6 @@ class GroundTilt:
     def guaranteed(self) -> float:
         """Slope up to which the robot tips over in no heading, whatever headings came before.
 
-        The least limit of all headings, or `elsewhere` if that is less, and a rounding below it.
         It holds for ground that has not been steeper since the robot stood on level ground: once it
         has rolled onto another rest on a steeper slope, it may have less left there.
         """
@@ -109,20 +132,13 @@ class GroundTilt:
 def ground_tilt(posture: Posture) -> GroundTilt:
     """Return how far the ground under a posture can be tilted in every heading.
 
-    Notes
-    -----
     In the plane of slopes (see `ground_seat`) each rest is a polygon with straight sides, and the
     robot arrives on the next one along a straight line, too.  The circle of headings is therefore
     cut where a ray passes a corner or an end of a held part, and where lines cross.  One edge
-    decides between cuts: the limit is known in closed form, and so is its minimum.  No heading is a
-    sample.  A robot that comes back to a rest on the way counts as tipping, and so does one that
-    arrives beyond an edge of the rest.
-
-    Ground whose heading changes can bring the robot onto other rests than a tilt from level does;
-    `elsewhere` is about those.
-
-    Under forces or with an uncertain com the limit is where the robot leaves the rest that it
-    stands on at level.
+    decides between cuts: the limit is known in closed form, and so is its minimum.  A robot that
+    comes back to a rest on the way counts as tipping, and so does one that arrives beyond an edge
+    of the rest.  Under forces or with an uncertain com the limit is where the robot leaves the rest
+    that it stands on at level.
     """
     frame = level_frames(posture.recipe, posture.row, "plane")[0]
     region = posture.stance.region
@@ -135,7 +151,7 @@ def ground_tilt(posture: Posture) -> GroundTilt:
         # No rest carries it on level ground, where gravity pierces another one by chance.
         return GroundTilt(posture, (), 0.0)
     if posture.recipe.loaded:
-        pieces = [Piece(*ends, edge, edge) for edge in seat.edges for ends in edge.ahead]
+        pieces = [Piece(-math.pi, math.pi, edge, edge) for edge in seat.edges]
         return GroundTilt(posture, tuple(pieces), math.inf)
     starts, upright = {seat.group}, _facet_under(posture, np.array([0.0, 0.0, -1.0]))
     if upright >= 0:
@@ -164,8 +180,10 @@ def _tilted(
     """
     pieces, gone = [], (*before, seat.group)
     ends = seat.cuts(arc, line)
-    found = _leaves(seat, line, (ends[:-1] + ends[1:]) / 2.0)
-    for part, (limit, over, rolls) in _joined(ends, found):
+    found = zip(_leaves(seat, line, (ends[:-1] + ends[1:]) / 2.0), pairwise(ends), strict=True)
+    for (limit, over, rolls), run in groupby(found, itemgetter(0)):
+        arcs = [one for _, one in run]
+        part = float(arcs[0][0]), float(arcs[-1][1])
         there = seat_on(posture, over.beyond, seat.frame) if rolls else seat
         if there.group in gone:
             pieces.append(Piece(*part, limit, over))
@@ -183,21 +201,11 @@ def _leaves(seat: Seat, line: Edge | None, headings: Floats) -> list[Leaving]:
     found = [(e, e, e.holds(slope)) for e, slope in zip(nearest, slopes, strict=True)]
     if line is not None:
         arrived = np.tan(line.tilt(headings))[:, None] * ahead
-        outside = np.array([edge.outside(arrived) for edge in seat.edges])
+        # How far beyond each edge: the tangent of an angle, roughly.
+        outside = np.array([arrived @ edge.normal - edge.reach for edge in seat.edges])
         for k in np.flatnonzero(outside.max(axis=0) > ON):
             found[k] = line, seat.edges[outside[:, k].argmax()], False
     return found
-
-
-def _joined(ends: Floats, found: list[Leaving]) -> list[tuple[tuple[float, float], Leaving]]:
-    """Return arcs between headings with what was found in each, those that agree as one."""
-    joined: list[tuple[tuple[float, float], Leaving]] = []
-    for (begin, end), leaving in zip(pairwise(ends.tolist()), found, strict=True):
-        if joined and joined[-1][1] == leaving:
-            joined[-1] = (joined[-1][0][0], end), leaving
-        else:
-            joined.append(((begin, end), leaving))
-    return joined
 
 
 def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
@@ -212,38 +220,17 @@ def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
     rests = [int(k) for k in np.flatnonzero(seats["is_rest"] == 1)]
     one_each = {int(seats[k]["group"]): k for k in rests}
     edges = {group: seat_on(posture, k, frame).edges for group, k in one_each.items()}
-    free = {group: min(edge.least_free for edge in of) for group, of in edges.items()}
+    least = {group: min(edge.least_free for edge in of) for group, of in edges.items()}
+    found = [least[group] for group in starts]
     rolls = [
-        (here, int(seats[edge.beyond]["group"]), edge.least_held)
+        (here, int(seats[edge.beyond]["group"]), least_tilt(*edge.held))
         for here, of in edges.items()
         for edge in of
         if edge.held is not None
     ]
-    least = dict(free)
     # As many rolls as there are rests lead to any of them.
     for _ in one_each:
         for here, there, _slope in rolls:
             least[here] = min(least[here], least[there])
     first = [max(slope, least[there]) for here, there, slope in rolls if here in starts]
-    return min([*(free[group] for group in starts), *first])
-
-
-def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:
-    """Return the slopes of the ground at which the robot tips over.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Postures, rad or length.
-    headings : (h,) array_like
-        In which the ground falls, rad; 0 is under the nose.
-
-    Returns
-    -------
-    (m, h) float64
-        Radians in [0, pi/2); 0 where the robot tips over on level ground.  See `ground_tilt`.
-    """
-    rows = np.asarray(params, dtype=np.float64)
-    return np.array([ground_tilt(Posture(recipe, row)).limits(headings) for row in rows])
+    return min(found + first)

@@ -1,8 +1,7 @@
 """Metrics of stability side by side: one posture, many directions, five measures.
 
-Owns what makes them comparable, the normalisation, and the one that is no channel of maps: the
-force-angle measure (Papadopoulos and Rey, 1996; in the form of 2000), which beside `tip_angle` and
-`margin`, of whose product it consists, tells a table nothing new.  Only `tip_angle` is the verdict.
+One is no channel of maps: the force-angle measure (Papadopoulos and Rey, 1996; in the form of
+2000), which is made of the product of `tip_angle` and `margin`.  Only `tip_angle` is the verdict.
 """
 
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.stance import Posture, Stance
+from lutgen.analysis.posture import Posture, Stance
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
 from lutgen.errors import InputError
 from lutgen.vector import Floats
@@ -43,21 +42,9 @@ class Metrics:
 def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     """Compute the metrics of one posture.
 
-    Parameters
-    ----------
-    posture : Posture
-    gravity_dir : (g, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0.
-
-    Returns
-    -------
-    Metrics
-
-    Raises
-    ------
-    InputError
-        Where the posture tips on level ground or has no tip-over axis, so that nothing normalises
-        it; for wrong shapes and numbers that are not finite.
+    `gravity_dir` (g, 3) are directions in the body frame, pointing down, of any length > 0.
+    Refused where the posture tips on level ground or has no tip-over axis, so that nothing
+    normalises it.
     """
     recipe = posture.recipe
     if recipe.com_uncertainty > 0.0:
@@ -80,8 +67,9 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
             f"does not stand or cannot tip (got a tip angle of {degrees}); choose another posture."
         )
     normalised = {name: values[name][1:] / values[name][0] for name in METRICS if name != "sdg"}
-    radius = np.array([facet.inradius for facet in stance.facets])
-    normalised["sdg"] = 1.0 - values["sdg"][1:] / radius[stance.under(directions[1:])]
+    under = [stance.under(down) for down in directions[1:]]
+    radius = np.array([np.nan if facet is None else facet.inradius for facet in under])
+    normalised["sdg"] = 1.0 - values["sdg"][1:] / radius
     return Metrics(
         standing[1:],
         status[1:],
@@ -109,18 +97,15 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     An arc cosine of a normalised product would leave [-1, 1] by rounding exactly where the com is
     over the axis; this form is 0 to rounding there.
 
+    It is 0 where the force passes through the axis and for a com on it, pi |M| at most (rad x
+    length x force); near the limit it is of second order in the angle.
+
     Parameters
     ----------
     start, stop : (..., 3) array_like
         Ends of the axes relative to the com; start x stop points to the inner side.
     force : (..., 3) array_like
         Resultant force at the com, pointing down for gravity; a unit vector measures in weights.
-
-    Returns
-    -------
-    (...,) float64
-        rad x length x force.  0 where the force passes through the axis, pi |M| at most; near the
-        limit it is of second order in the angle.  0 too for a com on the axis.
 
     Examples
     --------

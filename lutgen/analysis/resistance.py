@@ -1,8 +1,7 @@
 """What friction takes from a robot that moves on the ground, some of its contacts rolling.
 
-Owns the planar limit analysis: the motion of the contact plane that resists gravity least.  It is a
-convex problem in two unknowns.  Its minimum is closed in on between planes that touch the
-resistance from below, which bound it, and the least resistance found so far.
+The motion of the contact plane that resists gravity least is the minimum of a convex function of
+two unknowns.  It lies between planes that touch the function from below.
 """
 
 import math
@@ -13,91 +12,66 @@ from lutgen.jit import njit
 from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
-# Contacts that roll are told apart by their kinds; a braked one counts as none of them.
+# What a contact resists with, where it does not roll as a DISC or a SPHERE does.
 BRAKED = -1.0
-# What rolls resists by this share of its load, so that every motion costs something.
-RESISTANCE = 1e-12
 # The least resistance is known to this, some hundred roundings.
 KNOWN = 2e-14
-# Of heights, and of slopes, which are 1 at most: far away they make planes too high by this share.
+# Heights of planes, and slopes, are too high by this share at most.
 ROUNDING = 1e-15
+# Turning about a point nearer to the com than 1e-9 of the robot's size is not tried.
+FASTEST = 1e9
 # Brackets grow by this until they hold the minimum.
 WIDER = 32.0
-# Turning about a point nearer to the com than this share of the robot's size is not tried.
-NEAREST = 1e-9
-# Looks in one direction; a tenth is what they take, and more would mean that rounding ends them.
+# Slopes, and rolling directions downhill of discs, below this are rounding.
+LEVEL = 1e-12
+# Looks along one unknown; a tenth is what they take, and more would mean that rounding ends them.
 LOOKS = 200
 
 
 @njit()
 def _resistance(
-    motion: Floats,
-    loads: Floats,
-    arm: Floats,
-    roll: Floats,
-    aside: float,
-    turn: float,
-    part: Floats,
+    motion: Floats, loads: Floats, arm: Floats, roll: Floats, aside: float, turn: float
 ) -> tuple[float, float, float]:
     """Return the power, per unit of friction, that a motion costs at most, and its two slopes.
 
     The com moves by 1 downhill (x) and `aside` across (y), and the robot turns by `turn`.  The
-    slopes are those of a plane that touches the power from below there: over `aside`, and over
-    `turn`.  `part` (k, 3) is room for what each contact costs.
+    slopes, over `aside` and over `turn`, are those of a plane that touches the power from below.
     """
+    part = np.zeros((len(motion), 3))
     for i in range(len(motion)):
         x = 1.0 - turn * arm[i, 1]
         y = aside + turn * arm[i, 0]
         if motion[i] == DISC:
-            along = x * roll[i, 0] + y * roll[i, 1]
             across = y * roll[i, 0] - x * roll[i, 1]
-            cost = math.hypot(across, RESISTANCE * along)
-            little = RESISTANCE * RESISTANCE * along
-            over_x = little * roll[i, 0] - across * roll[i, 1]
-            over_y = across * roll[i, 0] + little * roll[i, 1]
-            share = 1.0
+            cost, sign = abs(across), float(np.sign(across))
+            over_x, over_y = -sign * roll[i, 1], sign * roll[i, 0]
+        elif motion[i] == SPHERE:
+            continue
         else:
-            cost, over_x, over_y = math.hypot(x, y), x, y
-            share = RESISTANCE if motion[i] == SPHERE else 1.0
-        # Where it costs nothing the level plane touches it.
-        steep = share / cost if cost > 0.0 else 0.0
-        part[i, 0] = share * cost
-        part[i, 1] = steep * over_y
-        part[i, 2] = steep * (over_y * arm[i, 0] - over_x * arm[i, 1])
-    most, over_aside, over_turn = -1.0, 0.0, 0.0
-    for c in range(len(loads)):
-        total, first, second = 0.0, 0.0, 0.0
-        for i in range(len(motion)):
-            total += loads[c, i] * part[i, 0]
-            first += loads[c, i] * part[i, 1]
-            second += loads[c, i] * part[i, 2]
-        if total > most:
-            most, over_aside, over_turn = total, first, second
-    return most, over_aside, over_turn
+            cost = math.hypot(x, y)
+            over_x, over_y = (x / cost, y / cost) if cost > 0.0 else (0.0, 0.0)
+        part[i, 0] = cost
+        part[i, 1] = over_y
+        part[i, 2] = over_y * arm[i, 0] - over_x * arm[i, 1]
+    found = loads @ part
+    c = np.argmax(found[:, 0])
+    return found[c, 0], found[c, 1], found[c, 2]
 
 
 @njit()
-def _between(
-    low: float, low_slope: float, high: float, high_slope: float, kink: float, look: int
-) -> float:
-    """Return where to look next between two places whose slopes have opposite signs.
-
-    In turn: where their tangents meet (`kink`), which is the minimum if there is an edge; where a
-    straight line between the slopes is 0, which is near it if there is none; and in the middle.
-    """
-    # Of any size while the minimum is near 0, so that a middle is that of their logarithms.
-    middle = math.sinh((math.asinh(low) + math.asinh(high)) / 2.0)
-    place = middle if low < middle < high else (low + high) / 2.0
-    if look % 3 == 0:
-        place = kink
-    elif look % 3 == 1:
-        place = low + (high - low) * low_slope / (low_slope - high_slope)
-    return place if low < place < high else (low + high) / 2.0
+def _meeting(
+    low: float, left: float, left_slope: float, high: float, right: float, right_slope: float
+) -> tuple[float, float]:
+    """Return where tangents at two places meet, their slopes of opposite signs, and how high."""
+    fall = left_slope - right_slope
+    place = (right - left + left_slope * low - right_slope * high) / fall
+    height = left + left_slope * (place - low)
+    return place, height - ROUNDING * (abs(left) + abs(right) + high - low)
 
 
 @njit()
 def _best_aside(
-    motion: Floats, loads: Floats, arm: Floats, roll: Floats, turn: float, part: Floats
+    motion: Floats, loads: Floats, arm: Floats, roll: Floats, turn: float
 ) -> tuple[float, float, float]:
     """Return the least resistance over all `aside` at one `turn`, and a line below it.
 
@@ -108,38 +82,28 @@ def _best_aside(
     for i in range(len(motion)):
         # Where this contact alone costs least.
         place = -turn * arm[i, 0]
+        if motion[i] == SPHERE or (motion[i] == DISC and abs(roll[i, 0]) < LEVEL):
+            continue
         if motion[i] == DISC:
-            x = 1.0 - turn * arm[i, 1]
-            a, b, little = roll[i, 0], roll[i, 1], RESISTANCE * RESISTANCE
-            place += x * a * b * (1.0 - little) / (a * a + little * b * b)
+            place += (1.0 - turn * arm[i, 1]) * roll[i, 1] / roll[i, 0]
         low, high = min(low, place), max(high, place)
-    left, left_slope, left_turn = _resistance(motion, loads, arm, roll, low, turn, part)
-    right, right_slope, right_turn = _resistance(motion, loads, arm, roll, high, turn, part)
-    step = 1e-12 * (1.0 + abs(low) + abs(high))
-    while left_slope > 0.0:
-        # Rounding put it on the wrong side.
-        low, step = low - step, 2.0 * step
-        left, left_slope, left_turn = _resistance(motion, loads, arm, roll, low, turn, part)
-    while right_slope < 0.0:
-        high, step = high + step, 2.0 * step
-        right, right_slope, right_turn = _resistance(motion, loads, arm, roll, high, turn, part)
-    if left_slope == 0.0:
-        return left, left, left_turn
-    if right_slope == 0.0:
-        return right, right, right_turn
+    if low > high:
+        least, _, left_turn = _resistance(motion, loads, arm, roll, 0.0, turn)
+        return least, least, left_turn
+    # A little wider, where every slope has its sign for certain.
+    wider = 1e-9 * (1.0 + abs(low) + abs(high))
+    low, high = low - wider, high + wider
+    left, left_slope, left_turn = _resistance(motion, loads, arm, roll, low, turn)
+    right, right_slope, right_turn = _resistance(motion, loads, arm, roll, high, turn)
     for look in range(LOOKS):
         share = right_slope / (right_slope - left_slope)
-        # Where the two planes below meet, as a line over the turns.
-        kink = (right - left + left_slope * low - right_slope * high) / (left_slope - right_slope)
-        below = left + left_slope * (kink - low)
-        below -= ROUNDING * (left + right + high - low)
         least = min(left, right)
-        if least - below <= KNOWN * (1.0 + least):
+        place, below = _meeting(low, left, left_slope, high, right, right_slope)
+        if look % 3 == 2:
+            place = (low + high) / 2.0
+        if least - below <= KNOWN * (1.0 + least) or not low < place < high:
             break
-        place = _between(low, left_slope, high, right_slope, kink, look)
-        if not low < place < high:
-            break
-        here, slope, over_turn = _resistance(motion, loads, arm, roll, place, turn, part)
+        here, slope, over_turn = _resistance(motion, loads, arm, roll, place, turn)
         if slope == 0.0:
             return here, here, over_turn
         if slope < 0.0:
@@ -164,31 +128,27 @@ def least_resistance(
     [0, 1] but for rounding: 1 where all contacts are braked, 0 where gravity finds a motion in
     which all contacts that carry load roll.  Where it is at least `enough`, so is what is returned.
     """
-    part = np.empty((len(motion), 3))
     low, high = -1.0, 1.0
-    left, left_below, left_slope = _best_aside(motion, loads, arm, roll, low, part)
-    while left_slope >= 0.0 and low > -1.0 / NEAREST:
+    left, left_below, left_slope = _best_aside(motion, loads, arm, roll, low)
+    while left_slope > LEVEL and low > -FASTEST:
         low *= WIDER
-        left, left_below, left_slope = _best_aside(motion, loads, arm, roll, low, part)
-    right, right_below, right_slope = _best_aside(motion, loads, arm, roll, high, part)
-    while right_slope <= 0.0 and high < 1.0 / NEAREST:
+        left, left_below, left_slope = _best_aside(motion, loads, arm, roll, low)
+    right, right_below, right_slope = _best_aside(motion, loads, arm, roll, high)
+    while right_slope < -LEVEL and high < FASTEST:
         high *= WIDER
-        right, right_below, right_slope = _best_aside(motion, loads, arm, roll, high, part)
+        right, right_below, right_slope = _best_aside(motion, loads, arm, roll, high)
     least = min(left, right)
-    if left_slope >= 0.0 or right_slope <= 0.0:
-        return least
     for look in range(LOOKS):
-        kink = (right_below - left_below + left_slope * low - right_slope * high) / (
-            left_slope - right_slope
-        )
-        below = left_below + left_slope * (kink - low)
-        below -= ROUNDING * (abs(left_below) + abs(right_below) + high - low)
-        if below >= enough or least - below <= KNOWN * (1.0 + least):
+        if left_slope >= 0.0 or right_slope <= 0.0:
             break
-        place = _between(low, left_slope, high, right_slope, kink, look)
-        if not low < place < high:
+        place, below = _meeting(low, left_below, left_slope, high, right_below, right_slope)
+        if look % 3 == 2:
+            # Of places of any size the middle is that of their logarithms.
+            place = math.sinh((math.asinh(low) + math.asinh(high)) / 2.0)
+        known = below >= enough or least - below <= KNOWN * (1.0 + least)
+        if known or not low < place < high:
             break
-        here, here_below, slope = _best_aside(motion, loads, arm, roll, place, part)
+        here, here_below, slope = _best_aside(motion, loads, arm, roll, place)
         least = min(least, here)
         if slope == 0.0:
             break
@@ -203,20 +163,14 @@ def least_resistance(
 def least_of_each(motion: Floats, loads: Floats, arm: Floats, roll: Floats) -> float:
     """Return the least resistance under the worst of some loads (c, k), 1 at most.
 
-    Of each load only the contacts that carry some of it count.  The load that rests least on
-    braked contacts comes first, so that of most others a bound is enough.
+    Of each load only the contacts that carry some of it count.  It is quicker if loads that rest
+    little on braked contacts come first: of most others a bound is enough then.
     """
-    weight = np.zeros(len(loads))
-    for c in range(len(loads)):
-        for i in range(len(motion)):
-            if motion[i] == BRAKED:
-                weight[c] += loads[c, i]
     least = 1.0
-    for c in np.argsort(weight):
+    for c in range(len(loads)):
         able = np.flatnonzero(loads[c] > 0.0)
-        if (motion[able] == BRAKED).all():
-            continue
-        load = np.empty((1, len(able)))
-        load[0] = loads[c][able]
-        least = min(least, least_resistance(motion[able], load, arm[able], roll[able], least))
+        if not (motion[able] == BRAKED).all():
+            load = loads[c : c + 1, able].copy()
+            found = least_resistance(motion[able], load, arm[able], roll[able], least)
+            least = min(least, found)
     return least

@@ -1,10 +1,9 @@
-"""Whether the braked contacts hold a robot with freely rolling ones, and how it tips if not.
+"""Whether braked contacts hold a robot that stands on freely rolling ones, and how it tips if not.
 
-Owns the planar equilibrium of the contact plane.  A contact with ``rolling = true`` takes no force
-along its rolling direction: a disc none along axis x normal, a sphere none at all.  Where statics
-leaves the normal forces open the robot *holds* if it does under every load that balances, and *may
-hold* if it does under some; it *rolls* where it does under none.  The verdict on tipping is that of
-the robot held in place and does not change.
+A contact with ``rolling = true`` takes no force along its rolling direction: a disc none along
+axis x normal, a sphere none at all.  Where statics leaves the normal forces open the robot *holds*
+if it does under every load that balances, and *may hold* if it does under some; it *rolls* where
+it does under none.  The verdict on tipping is that of the robot held in place.
 """
 
 import math
@@ -14,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.forces import load_corners, normal_forces
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.sliding import first_tilts
-from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import tilt_limits
 from lutgen.channels import checked_directions, evaluate
 from lutgen.errors import InputError
@@ -48,11 +47,6 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     `load_corners`), or for the largest (``"some"``).  Over a gap, where none balances, both are of
     the `normal_forces` that push.  1 without a rolling contact among the facet's, and on level
     ground.
-
-    Raises
-    ------
-    InputError
-        For other loads.
     """
     if loads not in ("every", "some"):
         raise InputError(
@@ -78,7 +72,8 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
         [BRAKED if not one.rolling else DISC if one.kind == "disc" else SPHERE for one in contacts]
     )
     if loads == "every":
-        return float(least_of_each(motion, corners, arm, roll))
+        order = np.argsort(corners @ (motion == BRAKED), kind="stable")
+        return float(least_of_each(motion, corners[order], arm, roll))
     able = (corners > 0.0).any(axis=0)
     share = least_resistance(motion[able], corners[:, able], arm[able], roll[able])
     return min(1.0, float(share))
@@ -121,21 +116,15 @@ def may_hold(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
 def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
     """Tell whether one posture rolls away from where it stands under every load that balances.
 
-    Parameters
-    ----------
-    posture : Posture
-        Without a friction coefficient braked contacts that carry load never slip.
-    gravity_dir : (g, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0.
+    Parameters are those of `holds`.
 
     Returns
     -------
     (g,) bool
         True where the robot stands, some contact that touches its support facet rolls, and it does
-        not even `may_hold`: it rolls straight, turns about a braked contact, or both.  With mu that
-        is where tan(slope) > mu x `held_share` of some load, so it is true too where the robot
-        slides first.  False where it tips, and on level ground.  False is no promise that it stays:
-        that is `holds`.
+        not even `may_hold`: it rolls straight, turns about a braked contact, or both.  It is true
+        too where the robot slides first, and false where it tips and on level ground.  False is no
+        promise that it stays: that is `holds`.
     """
     held, rolling = _verdicts(posture, gravity_dir, "some")
     return np.asarray(rolling & ~held)
@@ -149,10 +138,10 @@ def _verdicts(
     recipe, stance = posture.recipe, posture.stance_of_weight()
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
     held, rolling = np.zeros((2, len(directions)), np.bool_)
-    for d, k in enumerate(stance.under(directions)):
-        if k < 0 or angle[d] < 0.0:
+    for d in np.flatnonzero(angle >= 0.0):
+        facet = stance.under(directions[d])
+        if facet is None:
             continue
-        facet = stance.facets[k]
         rolling[d] = any(recipe.contacts[i].rolling for i in facet.touching)
         share = held_share(posture, facet, directions[d], loads)
         slope = math.acos(min(1.0, float(facet.normal @ directions[d])))
@@ -166,36 +155,27 @@ def _verdicts(
 
 
 def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
-    """Return the tilt in each heading from which on the robot rolls away.
+    """Return the tilt (h,) in each heading (h,) from which on the robot rolls away, rad.
 
-    Parameters
-    ----------
-    posture : Posture
-    headings : (h,) array_like
-        Headings of the tilt in rad.
-
-    Returns
-    -------
-    (h,) float64
-        Radians, by looking every 2 deg; NaN where it tips over before it rolls.  Up to there it
-        may hold; up to `hold_limits` it does.
+    The tilts are looked at every 2 deg; NaN where it tips over before it rolls.  Up to there it
+    may hold; up to `hold_limits` it does.
     """
     end = tilt_limits(posture.recipe, posture.params, headings)
     return first_tilts(lambda down, _: rolls(posture, down), headings, end, STEP, HALVINGS)
 
 
 def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
-    """Return the tilt in each heading from which on the robot no longer holds under every load.
+    """Return the tilt (h,) in each heading (h,) from which on it does not hold for certain, rad.
 
-    Parameters and result are those of `roll_limits`, except that the limit is there for a robot
-    that slides, too; 0 where it holds on level ground alone.
+    As `roll_limits`, except that the limit is there for a robot that slides, too; 0 where it holds
+    on level ground alone.
     """
-    end = tilt_limits(posture.recipe, posture.params, headings)
 
     def gives(down: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
         stands = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0] >= 0.0
         return np.asarray(stands & ~holds(posture, down))
 
+    end = tilt_limits(posture.recipe, posture.params, headings)
     return first_tilts(gives, headings, end, STEP, HALVINGS)
 
 
@@ -206,26 +186,15 @@ def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
     speed at (g . t) t, and what remains to tip it is g - (g . t) t; on balls that roll in every
     direction, the part along the facet's normal.  Evaluate any channel there.
 
-    Parameters
-    ----------
-    posture : Posture
-    gravity_dir : (3,) array_like
-        Direction in the body frame, pointing down, of any length > 0.
-
-    Returns
-    -------
-    (3,) float64 or None
-        Unit vector, body frame.  None where the robot does not roll freely and straight: a contact
-        of its support facet is braked, the discs roll in different directions, or the slope also
-        pulls sideways with all discs on one axle, so that the robot would turn.
+    `gravity_dir` (3,) is in the body frame, pointing down, of any length > 0; the result (3,) is a
+    unit vector.  None where the robot does not roll freely and straight: a contact of its support
+    facet is braked, the discs roll in different directions, or the slope also pulls sideways with
+    all discs on one axle, so that the robot would turn.
     """
     down = checked_directions(gravity_dir)
     recipe, stance = posture.recipe, posture.stance_of_weight()
-    k = int(stance.under(down)[0])
-    if k < 0:
-        return None
-    facet, direction = stance.facets[k], down[0]
-    if not all(recipe.contacts[i].rolling for i in facet.touching):
+    facet, direction = stance.under(down[0]), down[0]
+    if facet is None or not all(recipe.contacts[i].rolling for i in facet.touching):
         return None
     discs = [i for i in facet.touching if recipe.contacts[i].kind == "disc"]
     remainder = float(facet.normal @ direction) * facet.normal

@@ -1,7 +1,6 @@
 """Where a robot slides before it tips: the slope under its support facet against friction.
 
-Owns the slope of the ground for many postures and directions, and the first tilt in each heading
-at which something happens.  Sliding never changes the verdict on tipping.
+All contacts count as braked here.  Sliding never changes the verdict on tipping.
 """
 
 import math
@@ -10,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames, tilted
 from lutgen.bracket import halve
 from lutgen.channels import (
@@ -75,7 +74,6 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Floats:
     Parameters
     ----------
     recipe : Recipe
-        The robot.
     params : (m, k) array_like
         Geometry parameters, rad or length.
     gravity_dir : (m, d, 3) array_like
@@ -100,16 +98,6 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Floats:
     return found
 
 
-def needed_friction(recipe: Recipe) -> float:
-    """Return the recipe's friction coefficient; refuse a recipe without one."""
-    if recipe.friction is None:
-        raise InputError(
-            f"{recipe.source}: the recipe has no friction coefficient (got no `robot.friction`); "
-            "add one, for example friction = 0.8, to learn where the robot slides."
-        )
-    return recipe.friction
-
-
 def slides_first(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
     """Tell whether friction fails to hold the robot on its support facet.
 
@@ -126,8 +114,7 @@ def slides_first(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> N
     -------
     (m, g) bool
         True where the tangent of the slope exceeds mu, all contacts braked; at exactly mu the
-        robot holds.  False without a support facet, where there is nothing to slide on.  Where
-        the robot stands it says that it slides although it does not tip.
+        robot holds.  False without a support facet.
 
     Raises
     ------
@@ -142,11 +129,15 @@ def slides_first(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> N
     >>> slides_first(recipe, middle, [[0, 0, -1], [0.59, 0, -1], [0.61, 0, -1]])
     array([[False, False,  True]])
     """
-    friction = needed_friction(recipe)
+    if recipe.friction is None:
+        raise InputError(
+            f"{recipe.source}: the recipe has no friction coefficient (got no `robot.friction`); "
+            "add one, for example friction = 0.8, to learn where the robot slides."
+        )
     directions = checked_directions(gravity_dir)
     m = len(np.asarray(params, dtype=np.float64))
     each = np.broadcast_to(directions, (m, *directions.shape))
-    return np.asarray(np.tan(np.nan_to_num(slopes(recipe, params, each))) > friction)
+    return np.asarray(np.tan(np.nan_to_num(slopes(recipe, params, each))) > recipe.friction)
 
 
 def first_tilts(
@@ -186,34 +177,19 @@ def first_tilts(
 
 
 def slide_limits(
-    posture: Posture,
-    headings: ArrayLike,
-    convention: str = "body",
-    until: float = math.pi,
+    posture: Posture, headings: ArrayLike, convention: str = "body", until: float = math.pi
 ) -> Floats:
     """Return the tilt in each heading from which on friction does not hold the robot.
 
-    Parameters
-    ----------
-    posture : Posture
-        Of a robot with a friction coefficient mu.
-    headings : (h,) array_like
-        Headings of the tilt in rad.
-    convention : {"body", "plane"}
-        What is tilted, see `tilt.level_frames`.
-    until : float
-        Tilt (rad) at which the search ends.
-
-    Returns
-    -------
-    (h,) float64
-        Radians: atan mu where the support facet is level in the body; a facet that is not shifts
-        it, to 0 where the robot slides on level ground already.  NaN where it does not slide.
+    The recipe has a friction coefficient mu; all angles are in rad, and `convention` says what is
+    tilted, see `tilt.level_frames`.  The limit (h,) is atan mu where the support facet is level in
+    the body; a facet that is not shifts it, to 0 where the robot slides on level ground already.
+    NaN where it does not slide before the tilt `until`.
     """
     recipe, row = posture.recipe, posture.row
     frame = level_frames(recipe, row, convention)[0]
 
     def slides(directions: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
-        return slides_first(recipe, row, directions @ frame.T)[0]  # type: ignore[no-any-return]
+        return np.asarray(slides_first(recipe, row, directions @ frame.T)[0])
 
     return first_tilts(slides, headings, until)

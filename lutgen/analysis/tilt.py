@@ -1,26 +1,26 @@
 """How far postures can be tilted in each heading before they tip over.
 
-Owns the words tilt and heading: gravity at tilt t and heading psi is
-(sin t cos psi, sin t sin psi, -cos t) in the body frame, so heading 0 is nose down, +90 deg left
-side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `resting`)
-the same holds in the frame of the level ground that the posture stands on, z its normal: the tilt
-is then that of the ground, as long as the robot does not rock onto another facet.  It draws
-nothing.
+Gravity at tilt t and heading psi is (sin t cos psi, sin t sin psi, -cos t) in the body frame, so
+heading 0 is nose down, +90 deg left side down, 180 deg nose up and -90 deg right side down.  Under
+convention "plane" (see `resting`) the same holds in the frame of the level ground that the posture
+stands on, z its normal: the tilt is then that of the ground, as long as the robot does not rock
+onto another facet.
 """
 
 import math
-from collections.abc import Callable
-from functools import partial
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground import gravity_transform
-from lutgen.analysis.stance import Posture
-from lutgen.channels import body_gravity, evaluate_each
+from lutgen.analysis.posture import Posture
+from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
+
+Ints = NDArray[np.intp]
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
 SHORTEST_STEP = math.radians(0.005)
@@ -83,7 +83,6 @@ def tilt_limits(
     Parameters
     ----------
     recipe : Recipe
-        The robot.
     params : (k,) or (m, k) array_like
         One posture or several, rad or length.
     headings : (h,) array_like
@@ -117,118 +116,95 @@ def tilt_limits(
     rows = posture[None, :] if posture.ndim == 1 else posture
     count = max(AT_ONCE // max(heading.size, 1), 1)
     parts = [
-        _limits(recipe, rows[i : i + count], heading, convention)
-        for i in range(0, len(rows), count)
+        _Pairs(recipe, some, level_frames(recipe, some, convention), heading).limits()
+        for some in (rows[i : i + count] for i in range(0, len(rows), count))
     ]
     limits = np.concatenate(parts) if parts else np.empty((0, heading.size))
     return limits[0] if posture.ndim == 1 else limits
 
 
-def _reading(recipe: Recipe, rows: Floats, frames: Floats, down: Floats) -> Floats:
-    """Return tip_angle (m, d) of postures under directions (m, d, 3) in their frames."""
-    turned = np.einsum("mij,mdj->mdi", frames, down)
-    return evaluate_each(recipe, rows, turned, ("tip_angle",))["tip_angle"]
+@dataclass(frozen=True)
+class _Pairs:
+    """Postures (m, k) in their frames (m, 3, 3) times headings (h,), counted row by row."""
 
+    recipe: Recipe
+    rows: Floats
+    frames: Floats
+    heading: Floats
 
-def _where_asked(
-    recipe: Recipe,
-    postures: tuple[Floats, Floats],
-    heading: Floats,
-    asked: NDArray[np.bool_],
-    tilt: Floats,
-) -> Floats:
-    """Return tip_angle of postures, in their frames, at tilts (m, h); NaN where it is not asked."""
-    result = np.full(tilt.shape, np.nan)
-    # Packed to the left: a posture with one open heading costs few directions, not all.
-    packed = np.argsort(~asked, axis=1, kind="stable")[:, : asked.sum(axis=1).max(initial=0)]
-    tilts = np.take_along_axis(np.where(asked, tilt, 0.0), packed, axis=1)
-    found = _reading(recipe, *postures, tilted(tilts, heading[packed]))
-    np.put_along_axis(result, packed, found, axis=1)
-    return np.where(asked, result, np.nan)
+    def tip_angle(self, pairs: Ints, tilt: Floats) -> Floats:
+        """Return tip_angle (n,) of ascending pairs (n,), each at a tilt of its own."""
+        posture, heading = np.divmod(pairs, self.heading.size)
+        open_ones, row = np.unique(posture, return_inverse=True)
+        # Packed to the left: a posture with one open heading costs few directions, not all.
+        place = np.arange(len(pairs)) - np.searchsorted(posture, open_ones)[row]
+        down = np.tile([0.0, 0.0, -1.0], (len(open_ones), place.max(initial=0) + 1, 1))
+        down[row, place] = tilted(tilt, self.heading[heading])
+        down = np.einsum("mij,mdj->mdi", self.frames[open_ones], down)
+        found = evaluate_each(self.recipe, self.rows[open_ones], down, ("tip_angle",))
+        return np.asarray(found["tip_angle"][row, place])
 
+    def lowest(self, pairs: Ints, begin: Floats, end: Floats) -> tuple[Floats, Floats]:
+        """Return the tilts (n,) between two at which `tip_angle` is least, and how much it is.
 
-def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> Floats:
-    """Return the limits (m, h) of postures (m, k)."""
-    frames = level_frames(recipe, rows, convention)
+        It falls towards an axis and rises behind it, in short steps linearly and equally fast.
+        """
+        for _ in range(ROUNDS):
+            before, after = self.tip_angle(pairs, begin), self.tip_angle(pairs, end)
+            rate = np.maximum((before + after) / np.maximum(end - begin, KNOWN), KNOWN)
+            at = np.clip(begin + before / rate, begin, end)
+            least = self.tip_angle(pairs, at)
+            reach = np.maximum(2.0 * least / rate, KNOWN)
+            begin, end = np.maximum(at - reach, begin), np.minimum(at + reach, end)
+        return at, least
 
-    def reading(which: NDArray[np.intp], asked: NDArray[np.bool_], tilt: Floats) -> Floats:
-        return _where_asked(recipe, (rows[which], frames[which]), heading, asked, tilt)
-
-    stands = np.zeros((len(rows), heading.size))
-    reach = reading(np.arange(len(rows)), np.ones(stands.shape, np.bool_), stands)
-    # Where it tips and by how much; the same place as `stands` until it has been found.
-    tips, beyond = stands.copy(), np.zeros_like(stands)
-
-    def keep(which: NDArray[np.intp], goes: NDArray[np.bool_], at: Floats) -> NDArray[np.bool_]:
-        """Keep where it tips or still stands, as read at tilts; return where it stands."""
-        found = reading(which, goes, at)
-        fallen, passed = goes & (found < 0.0), goes & (found >= 0.0)
-        tips[which] = np.where(fallen, at, tips[which])
-        beyond[which] = np.where(fallen, found, beyond[which])
-        stands[which] = np.where(passed, at, stands[which])
-        reach[which] = np.where(passed, found, reach[which])
-        return np.asarray(passed)
-
-    walking, crept = reach >= 0.0, np.zeros(stands.shape, np.int64)
-    while walking.any():
-        which = np.flatnonzero(walking.any(axis=1))
-        goes = walking[which]
-        step = np.where(goes, np.maximum(reach[which], SHORTEST_STEP), 0.0)
-        behind, ahead = stands[which], np.minimum(stands[which] + step, math.pi)
-        held = reach[which]
-        forced = goes & (reach[which] < SHORTEST_STEP)
-        passed = keep(which, goes, ahead)
-        tips[which] = np.where(passed, ahead, tips[which])
-        walking[which] = passed & (ahead < math.pi)
-        on_axis = (behind == 0.0) & (held <= TOUCHES)
-        crosses = forced & passed & ~on_axis
-        if crosses.any():
-            some = np.flatnonzero(crosses.any(axis=1))
-            near, those = behind[some], which[some]
-            at, least = _lowest(partial(reading, those, crosses[some]), near, ahead[some])
-            axis = crosses[some] & (least <= TOUCHES)
+    def limits(self) -> Floats:
+        """Return the limits (m, h)."""
+        everything = np.arange(len(self.rows) * self.heading.size)
+        stands = np.zeros(everything.size)
+        reach = self.tip_angle(everything, stands)
+        # Where it tips and by how much; the same place as `stands` until it has been found.
+        tips, beyond, crept = stands.copy(), stands.copy(), np.zeros(everything.size, np.intp)
+        walking = np.flatnonzero(reach >= 0.0)
+        while walking.size:
+            near, left = stands[walking], reach[walking]
+            ahead = np.minimum(near + np.maximum(left, SHORTEST_STEP), math.pi)
+            found, forced = self.tip_angle(walking, ahead), left < SHORTEST_STEP
+            passed = found >= 0.0
+            stands[walking] = np.where(passed, ahead, near)
+            reach[walking] = np.where(passed, found, left)
+            tips[walking], beyond[walking] = ahead, np.where(passed, 0.0, found)
+            goes_on = passed & (ahead < math.pi)
+            crosses = np.flatnonzero(forced & passed & ((near > 0.0) | (left > TOUCHES)))
+            at, least = self.lowest(walking[crosses], near[crosses], ahead[crosses])
+            axis = least <= TOUCHES
+            crosses, at, least = crosses[axis], at[axis], least[axis]
+            some, wedge = walking[crosses], least < 0.0
             # A wedge narrower than the step: its near side is where the robot tips.
-            wedge = axis & (least < 0.0)
-            stands[those] = np.where(wedge, near, np.where(axis, at, stands[those]))
-            reach[those] = np.where(wedge, held[some], reach[those])
-            tips[those] = np.where(axis, at, tips[those])
-            beyond[those] = np.where(wedge, least, beyond[those])
-            walking[those] &= ~axis
-        crept[which] = np.where(forced, crept[which] + 1, 0)
-        # It goes along its boundary: that is its limit, though it may stand further on.
-        ends = walking[which] & (crept[which] >= MOST_CREPT)
-        tips[which] = np.where(ends, stands[which], tips[which])
-        walking[which] &= ~ends
-    rounds = 0
-    while (tips - stands > KNOWN).any():
-        which = np.flatnonzero((tips - stands > KNOWN).any(axis=1))
-        low, high = stands[which], tips[which]
-        open_ = high - low > KNOWN
-        # Between straight lines false position is done in two rounds: the second one looks just
-        # beside the first.  Every third halves, so that a kink cannot make it slow.
-        share = reach[which] / np.where(open_, reach[which] - beyond[which], 1.0)
-        guess = low + (high - low) * (0.5 if rounds % 3 == 2 else np.where(open_, share, 0.0))
-        guess = np.where(open_, np.clip(guess, low + KNOWN / 2.0, high - KNOWN / 2.0), low)
-        keep(which, open_, guess)
-        rounds += 1
-    return stands
-
-
-def _lowest(
-    reading: Callable[[Floats], Floats], begin: Floats, end: Floats
-) -> tuple[Floats, Floats]:
-    """Return the tilts (m, h) between two at which `tip_angle` is least, and how much it is there.
-
-    It falls towards an axis and rises behind it, in short steps linearly and equally fast.
-    """
-    for _ in range(ROUNDS):
-        before, after = reading(begin), reading(end)
-        rate = np.maximum((before + after) / np.maximum(end - begin, KNOWN), KNOWN)
-        at = np.clip(begin + before / rate, begin, end)
-        least = reading(at)
-        reach = np.maximum(2.0 * least / rate, KNOWN)
-        begin, end = np.maximum(at - reach, begin), np.minimum(at + reach, end)
-    return at, least
+            stands[some] = np.where(wedge, near[crosses], at)
+            reach[some] = np.where(wedge, left[crosses], reach[some])
+            tips[some], beyond[some] = at, np.where(wedge, least, 0.0)
+            goes_on[crosses] = False
+            crept[walking] = np.where(forced, crept[walking] + 1, 0)
+            # It goes along its boundary: that is its limit, though it may stand further on.
+            ends = walking[goes_on & (crept[walking] >= MOST_CREPT)]
+            tips[ends] = stands[ends]
+            walking = walking[goes_on & (crept[walking] < MOST_CREPT)]
+        rounds = 0
+        while (open_ones := np.flatnonzero(tips - stands > KNOWN)).size:
+            low, high, left = stands[open_ones], tips[open_ones], reach[open_ones]
+            # Between straight lines false position is done in two rounds: the second one looks just
+            # beside the first.  Every third halves, so that a kink cannot make it slow.
+            share = 0.5 if rounds % 3 == 2 else left / (left - beyond[open_ones])
+            guess = np.clip(low + (high - low) * share, low + KNOWN / 2.0, high - KNOWN / 2.0)
+            found = self.tip_angle(open_ones, guess)
+            passed = found >= 0.0
+            stands[open_ones] = np.where(passed, guess, low)
+            tips[open_ones] = np.where(passed, high, guess)
+            reach[open_ones] = np.where(passed, found, left)
+            beyond[open_ones] = np.where(passed, beyond[open_ones], found)
+            rounds += 1
+        return stands.reshape(len(self.rows), self.heading.size)
 
 
 def level_angles(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
@@ -269,11 +245,12 @@ def worst_heading(posture: Posture, convention: str = "body") -> float:
     tilt = float(level_limits(recipe, row, convention)[0])
     if not 0.0 < tilt < math.pi:
         return math.nan
-    frames = level_frames(recipe, row, convention)
+    frame = level_frames(recipe, row, convention)[0]
     width = 2.0 * math.pi / PIECES
     middle = width * (np.arange(PIECES) - PIECES // 2 + 1)
     while True:
-        angle = _reading(recipe, row, frames, tilted(tilt, middle)[None])[0]
+        down = tilted(tilt, middle) @ frame.T
+        angle = evaluate(recipe, row, down, ("tip_angle",))["tip_angle"][0]
         if width <= FINEST:
             break
         kept = np.flatnonzero(angle - math.sin(tilt) * width / 2.0 <= np.abs(angle).min())

@@ -1,9 +1,7 @@
 """What a designer asks of tilt limits: one posture in the four headings and the worst, or all.
 
-Owns the names of the four headings, which axis gives way and whether the robot slides first there,
-and the least and largest limits over many postures.  *Body tilt* is how far the robot itself turns,
-as an accelerometer in it sees it (`tilt`); *ground tilt* the slope of the ground under a robot that
-rolls from rest to rest on it (`ground_tilt`).  It prints and draws nothing.
+*Body tilt* is how far the robot itself turns, as an accelerometer in it sees it (`tilt`); *ground
+tilt* the slope of the ground under a robot that rolls from rest to rest on it (`ground_tilt`).
 """
 
 import math
@@ -17,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -206,19 +204,10 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
         _row(posture, frame, name, heading, tilt)
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
-    ground, slide = ground_tilt(posture), slide_angle(recipe)
-    return PostureLimits(params, tuple(rows), level, convention, ground, slide)
-
-
-def slide_angle(recipe: Recipe) -> float | None:
-    """Return the slope (rad) up to which a robot does not slide, all contacts braked: atan mu.
-
-    Exact on one plane, whichever contacts carry.  None without friction in the recipe, and where
-    forces act beside the weight.
-    """
-    if recipe.friction is None or recipe.has_wrench:
-        return None
-    return math.atan(recipe.friction)
+    # Exact on one plane, whichever contacts carry.
+    mu = None if recipe.has_wrench else recipe.friction
+    slide = None if mu is None else math.atan(mu)
+    return PostureLimits(params, tuple(rows), level, convention, ground_tilt(posture), slide)
 
 
 def _row(posture: Posture, frame: Floats, name: str, heading: float, tilt: float) -> HeadingLimit:

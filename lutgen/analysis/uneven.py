@@ -1,7 +1,7 @@
 """Static equilibrium on uneven ground: each contact has a normal and a friction of its own.
 
-Owns the verdict and the region of centres of mass that hold (Bretl and Lall, "Testing Static
-Equilibrium for Legged Robots", IEEE T-RO 24(4), 2008).  Knows nothing of recipes and postures.
+The verdict and the region of centres of mass that hold are those of Bretl and Lall, "Testing
+Static Equilibrium for Legged Robots", IEEE T-RO 24(4), 2008.
 """
 
 from dataclasses import dataclass
@@ -9,16 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.analysis.balance import BOX, MISSING, Balance, Scene
-from lutgen.analysis.uneven_region import margin_in, reaches_the_box, region_of
+from lutgen.analysis.balance import BOX, MISSING, SAME, Balance, margin_in
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
-# Sides of the pyramids of a verdict, until those inside and outside the cones agree.
-FEWEST, MOST = 16, 256
-# Sides of the pyramids of the region and of the forces.
-SIDES = 64
+# Sides of the pyramids, of a verdict until those inside and outside the cones agree.
+SIDES, MOST = 64, 256
 # The largest number that is taken: squares and products of such are finite.
 LARGEST = 1e100
 # More friction than this is a wall, and no ground; the programmes lose their accuracy beyond.
@@ -135,26 +132,22 @@ def equilibrium(
             f"points must have the shape (n, 3) with n >= 1 (got {places.shape}); "
             "give a row x, y, z for each contact"
         )
-    outward = _numbers("normals", normals)
+    outward, mu = _numbers("normals", normals), _numbers("friction", friction)
     if outward.shape != places.shape:
         raise InputError(
             f"normals must have the shape of points, {places.shape} (got {outward.shape}); "
             "give a row x, y, z for each contact"
         )
-    middle = _numbers("com", com)
-    down = _numbers("gravity_dir", gravity_dir)
+    middle, down = _numbers("com", com), _numbers("gravity_dir", gravity_dir)
     for name, vector in (("com", middle), ("gravity_dir", down)):
         if vector.shape != (3,):
             raise InputError(
                 f"{name} must be three numbers (got the shape {vector.shape}); give x, y, z"
             )
-    mu = _numbers("friction", friction)
-    shapes = ((), (len(places),))
-    if mu.shape not in shapes or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
+    if mu.shape not in ((), (len(places),)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
         raise InputError(
             f"friction must be one number from 0 to {ROUGHEST:g} or {len(places)} of them "
-            f"(got {mu.tolist()}); "
-            "give a coefficient for all contacts or for each"
+            f"(got {mu.tolist()}); give a coefficient for all contacts or for each"
         )
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
@@ -164,17 +157,14 @@ def equilibrium(
     # Contacts that rounding alone keeps apart are one.
     size = size if size > 1e-9 * away else away
     size = size or 1.0
-    scene = Scene(
+    scene = (
         (places - origin) @ frame.T / size,
         unit_directions(outward) @ frame.T,
         np.broadcast_to(mu, (len(places),)),
     )
     place = (frame[:2] @ (middle - origin)) / size
-    holds = _verdict(scene, place)
-    forces = None
-    if holds:
-        forces = _forces(scene, place) @ frame
-    region = region_of(Balance.of(scene, SIDES))
+    holds, forces = _verdict(scene, place)
+    region = Balance.of(*scene, SIDES).region()
     margin = margin_in(region, place) * size
     if holds and (np.abs(place) > BOX).any():
         # Held outside the search: what the region ends at is not its boundary.
@@ -184,10 +174,10 @@ def equilibrium(
         margin = min(margin, 0.0)
     return Equilibrium(
         holds,
-        forces,
+        None if forces is None else forces @ frame,
         region * size + frame[:2] @ origin,
         frame[:2],
-        reaches_the_box(region),
+        bool((np.abs(region) > BOX * (1.0 - SAME)).any()),
         margin,
     )
 
@@ -218,24 +208,18 @@ def _level_frame(down: Floats) -> Floats:
     return np.array([ahead, np.cross(-down, ahead), -down]) + 0.0
 
 
-def _verdict(scene: Scene, com: Floats) -> bool | None:
-    """Tell whether a com (2,) holds: pyramids inside the cones say yes, those around them no."""
-    sides = FEWEST
-    while sides <= MOST:
-        if Balance.of(scene, sides).missing(com)[0] <= MISSING:
-            return True
-        if Balance.of(scene, sides, outside=True).missing(com)[0] > MISSING:
-            return False
-        sides *= 2
-    return None
+def _verdict(
+    scene: tuple[Floats, Floats, Floats], com: Floats
+) -> tuple[bool | None, Floats | None]:
+    """Tell whether a com (2,) holds, and with which forces (n, 3).
 
-
-def _forces(scene: Scene, com: Floats) -> Floats:
-    """Return forces (n, 3) for a com (2,) that holds, from the first pyramids that carry it."""
-    sides = SIDES
-    while True:
-        balance = Balance.of(scene, sides)
+    Pyramids inside the cones say yes, those around them no.
+    """
+    for sides in (SIDES, MOST):
+        balance = Balance.of(*scene, sides)
         missing, strengths, _ = balance.missing(com)
-        if missing <= MISSING or sides >= MOST:
-            return balance.gentlest(strengths)
-        sides *= 2
+        if missing <= MISSING:
+            return True, balance.gentlest(strengths)
+        if Balance.of(*scene, sides, outside=True).missing(com)[0] > MISSING:
+            return False, None
+    return None, None

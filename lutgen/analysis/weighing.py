@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.tilt import level_frames, tilted
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -159,20 +159,23 @@ def _size(recipe: Recipe, readings: Sequence[Reading]) -> float:
     return float(np.linalg.norm(centres, axis=1).max()) or 1.0
 
 
-def _seated(recipe: Recipe, reading: Reading | Advice) -> tuple[Posture, int, Floats]:
-    """Return the posture, the facet on which it stands, and gravity in the body frame (3,)."""
+def _seated(recipe: Recipe, reading: Reading | Advice) -> tuple[Facet, Floats]:
+    """Return the facet on which the robot stands, and gravity in the body frame (3,)."""
     posture = Posture(recipe, reading.params)
     frame = level_frames(recipe, posture.row, "plane")[0]
-    (facet,) = posture.stance_of_weight().under(frame[None, :, 2] * -1.0)
-    if facet < 0:
-        raise InputError(f"{recipe.source}: the robot rests on nothing in this posture (got it).")
-    return posture, int(facet), frame @ tilted(reading.slope, reading.heading)
+    facet = posture.stance_of_weight().under(-frame[:, 2])
+    if facet is None:
+        values = ", ".join(f"{value:g}" for value in reading.params)
+        raise InputError(
+            f"{recipe.source}: the robot rests on nothing in a posture of the file (got parameters "
+            f"{values or 'none'}, rad or length); leave it out."
+        )
+    return facet, frame @ tilted(reading.slope, reading.heading)
 
 
 def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
     """Return the equations of one reading, in units of its deviation."""
-    posture, at, down = _seated(recipe, reading)
-    facet = posture.stance.facets[at]
+    facet, down = _seated(recipe, reading)
     if isinstance(reading, Tipping):
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         shift = estimate[1:] / estimate[0]
@@ -251,8 +254,7 @@ def _advice(
     best = None
     for params, slope, heading in _candidates(recipe):
         advice = Advice(params, slope, heading, 0.0)
-        posture, at, down = _seated(recipe, advice)
-        facet = posture.stance.facets[at]
+        facet, down = _seated(recipe, advice)
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         walls = np.cross(start, stop)
         if float((walls @ down / np.linalg.norm(walls, axis=1)).min()) < STANDING:

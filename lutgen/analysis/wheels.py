@@ -1,19 +1,21 @@
 """Inverse kinematics of the wheels: from the robot's velocity to wheel speeds and steering.
 
-Owns the rolling constraints and what follows from them: degrees of freedom, sideways slip, and
-the nearest motion without it.  Where wheels touch and which way they roll is `rolling`'s.
+Places and directions have two components, in the contact plane's frame: the plane of the support
+facet with its normal up, x along the body's x axis and y to the left, its origin below the com.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.analysis.ground_contact import Ground, RollingContact, find_ground
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.errors import InputError
-from lutgen.recipe import Recipe
+from lutgen.parts import Wheel
+from lutgen.recipe import Recipe, forward
+from lutgen.support import FACE_ANGLE
 from lutgen.vector import Floats
 
 LEVEL = (0.0, 0.0, -1.0)
@@ -31,8 +33,7 @@ class Structure:
     the steered wheels allows.  `steered` tells whether a steered wheel touches.  `mobility` and
     `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
     and Automation 12(1), 1996): motions without turning a steered wheel, and how many steered
-    wheels can be turned independently; they add up to `dof`.  `touching` are the contacts of the
-    wheels that touch.
+    wheels can be turned independently; they add up to `dof`.  `touching` are wheels' contacts.
     """
 
     dof: int
@@ -88,20 +89,99 @@ class Motion:
     standing: bool
 
 
+@dataclass(frozen=True)
+class _Rolling:
+    """A wheel on the ground: where it touches, and unit vectors (2,) ahead and to its left.
+
+    It drives ahead when it spins positively about its axle, the right-hand way.
+    """
+
+    wheel: Wheel
+    point: Floats
+    ahead: Floats
+    left: Floats
+
+    def velocity(self, velocity: Floats, yaw_rate: float) -> Floats:
+        """Return the velocity (2,) of the robot at this contact: v + w n x (p - com)."""
+        return velocity + yaw_rate * np.array([-self.point[1], self.point[0]])
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """What a posture's wheels have to roll on.
+
+    `size`: the largest distance in the plane from the com to a corner of the support polygon, by
+    which yaw rates become comparable with velocities.  `contacts`: of the wheels in recipe order,
+    None for those that hover.  `standing` is false where the robot tips.
+    """
+
+    size: float
+    standing: bool
+    contacts: tuple[_Rolling | None, ...]
+
+
+def _find_ground(posture: Posture, gravity_dir: ArrayLike) -> _Ground:
+    """Find the contact plane of one posture and the wheels whose contacts touch it."""
+    source = posture.recipe.source
+    if not posture.recipe.wheels:
+        raise InputError(
+            f"{source}: the robot has no wheels (got no [[robot.wheel]]); add one for each "
+            "contact that is a wheel: contact, axis, radius."
+        )
+    found = diagnose(posture, gravity_dir)
+    if found.facet is None:
+        raise InputError(
+            f"{source}: the robot has no support facet under this gravity (got gravity_dir "
+            f"= {found.gravity_dir.tolist()}); choose another direction or posture."
+        )
+    facet, forward_axis = found.facet, np.array([1.0, 0.0, 0.0])
+    if float(np.linalg.norm(facet.along(forward_axis))) < FACE_ANGLE:
+        raise InputError(
+            f"{source}: the body's x axis is normal to the ground, which leaves no forward "
+            f"direction (got the normal {(-facet.normal).tolist()}); choose another direction or "
+            "posture."
+        )
+    # y of a facet's frame points to the right.
+    frame = facet.frame(forward_axis) * [[1.0], [-1.0]]
+    size = float(np.linalg.norm(facet.points @ frame.T, axis=1).max())
+    return _Ground(size, found.standing, _touching(posture, facet, frame))
+
+
+def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling | None, ...]:
+    """Return where each wheel touches the facet's plane and how it rolls, or None."""
+    recipe = posture.recipe
+    carriers = {contact.name: contact for contact in recipe.contacts}
+    # An axle turns with its link as the axis of a disc does, so let the contacts have the axles.
+    discs = tuple(replace(carriers[wheel.contact], axis=wheel.axis) for wheel in recipe.wheels)
+    axles = forward(replace(recipe, contacts=discs), posture.row).axes[0]
+    result: list[_Rolling | None] = []
+    for wheel, axle in zip(recipe.wheels, axles, strict=True):
+        i = recipe.contact_names.index(wheel.contact)
+        if i not in facet.touching:
+            result.append(None)
+            continue
+        # axle x up: a wheel whose axle points left drives forward when it spins positively.
+        ahead = frame @ np.cross(axle, -facet.normal)
+        length = float(np.linalg.norm(ahead))
+        if length < FACE_ANGLE:
+            raise InputError(
+                f"{recipe.source}: the wheel on {wheel.contact} cannot roll, its axle is normal to "
+                f"the ground (got {axle.tolist()} in the body frame); correct its `axis`, or "
+                "choose another posture."
+            )
+        point, ahead = facet.touching_points[facet.touching.index(i)], ahead / length
+        left = np.array([-ahead[1], ahead[0]])
+        result.append(_Rolling(wheel, frame @ point, ahead, left))
+    return tuple(result)
+
+
 def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
     """Categorise the robot by the degrees of freedom that its wheels leave it.
 
     Contacts without a wheel are taken to slide or swivel and constrain nothing, like wheels that
-    hover and Swedish wheels.
-
-    Parameters
-    ----------
-    posture : Posture
-        Of a robot with wheels; InputError is raised as by `ground_contact.find_ground`.
-    gravity_dir : (3,) array_like
-        Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
+    hover and Swedish wheels.  Parameters and refusals are those of `wheel_speeds`.
     """
-    return _structure(find_ground(posture, gravity_dir))
+    return _structure(_find_ground(posture, gravity_dir))
 
 
 def wheel_speeds(
@@ -138,7 +218,8 @@ def wheel_speeds(
     Raises
     ------
     InputError
-        As for `ground_contact.find_ground`, and where the motion is not three finite numbers.
+        Without wheels or a support facet, where the body's x axis or the axle of a wheel that
+        touches is normal to it, and where the motion is not three finite numbers.
     """
     asked = np.asarray(velocity, np.float64)
     if asked.shape != (2,) or not np.isfinite(asked).all():
@@ -148,7 +229,7 @@ def wheel_speeds(
         )
     if not math.isfinite(yaw_rate):
         raise InputError(f"yaw_rate must be finite (got {yaw_rate}); give an angle per second")
-    ground = find_ground(posture, gravity_dir)
+    ground = _find_ground(posture, gravity_dir)
     with np.errstate(over="ignore", invalid="ignore"):
         motion = _motion(posture.recipe, ground, asked, float(yaw_rate))
     results = [motion.slip, motion.nearest_yaw_rate, *motion.nearest_velocity]
@@ -161,7 +242,7 @@ def wheel_speeds(
     return motion
 
 
-def _motion(recipe: Recipe, ground: Ground, asked: Floats, yaw_rate: float) -> Motion:
+def _motion(recipe: Recipe, ground: _Ground, asked: Floats, yaw_rate: float) -> Motion:
     """Return the motion of the wheels on the ground; what is too large becomes inf or NaN."""
     motion = np.array([asked[0], asked[1], yaw_rate * ground.size])
     still = TOLERANCE * math.hypot(*motion)
@@ -188,11 +269,11 @@ def _motion(recipe: Recipe, ground: Ground, asked: Floats, yaw_rate: float) -> M
     )
 
 
-def _wheel_motion(contact: RollingContact, velocity: Floats, still: float) -> WheelMotion:
+def _wheel_motion(contact: _Rolling, velocity: Floats, still: float) -> WheelMotion:
     """Return what a wheel does whose contact moves at `velocity`; below `still` it stands."""
     wheel = contact.wheel
-    along = float(velocity @ contact.rolling)
-    across = float(velocity @ contact.sideways)
+    along = float(velocity @ contact.ahead)
+    across = float(velocity @ contact.left)
     if wheel.rollers is not None:
         # v . e / cos(gamma), with e = cos(gamma) t + sin(gamma) s.
         speed = (along + across * math.tan(wheel.rollers)) / wheel.radius
@@ -209,15 +290,13 @@ def _wheel_motion(contact: RollingContact, velocity: Floats, still: float) -> Wh
     return WheelMotion(wheel.contact, True, speed, math.atan(across / along), 0.0)
 
 
-def _free_motions(ground: Ground) -> tuple[float, Floats]:
-    """Return the largest slip per motion of size 1, and an orthonormal basis of those without.
+def _free_motions(ground: _Ground) -> tuple[float, Floats]:
+    """Return the largest slip per motion of size 1, and an orthonormal basis (3, dof) without.
 
-    Motions are (vx, vy, yaw rate * size), so that neither depends on the unit of length.  The slip
-    is the largest singular value of the fixed wheels' constraints, 0 without any; the basis
-    (3, dof) is their null space, one motion per column.
+    Motions are (vx, vy, yaw rate * size), so that neither depends on the unit of length.
     """
     rows = [
-        [*contact.sideways, contact.sideways @ contact.velocity(np.zeros(2), 1.0) / ground.size]
+        [*contact.left, contact.left @ contact.velocity(np.zeros(2), 1.0) / ground.size]
         for contact in ground.contacts
         if contact is not None and not contact.wheel.steered and contact.wheel.rollers is None
     ]
@@ -228,26 +307,19 @@ def _free_motions(ground: Ground) -> tuple[float, Floats]:
     return float(spread[0]), motions[rank:].T.copy()
 
 
-def _structure(ground: Ground) -> Structure:
+def _structure(ground: _Ground) -> Structure:
     """Return the structure of a robot on the ground."""
     contacts = [contact for contact in ground.contacts if contact is not None]
     steered = [contact for contact in contacts if contact.wheel.steered]
     _, basis = _free_motions(ground)
-    dof = basis.shape[1]
-    turning = sum(_can_turn(contact, basis, ground.size) for contact in steered)
+    dof, turning = basis.shape[1], 0
+    for contact in steered if dof > 1 else ():
+        # It can turn if the free motions move it in more than one direction: on the common axle of
+        # the fixed ones it can only follow them.
+        moved = [contact.velocity(motion[:2], motion[2] / ground.size) for motion in basis.T]
+        spread = np.linalg.svd(np.array(moved), compute_uv=False)
+        turning += int(spread[1] > TOLERANCE * spread[0])
     # Two wheels' axles fix the centre of turning: further ones must follow.
     steerability = min(turning, max(dof - 1, 0))
     touching = tuple(contact.wheel.contact for contact in contacts)
     return Structure(dof, bool(steered), dof - steerability, steerability, touching)
-
-
-def _can_turn(contact: RollingContact, basis: Floats, size: float) -> bool:
-    """Tell whether the free motions move a contact in more than one direction.
-
-    A steered wheel on the common axle of the fixed ones can only follow them.
-    """
-    moved = [contact.velocity(motion[:2], motion[2] / size) for motion in basis.T]
-    if len(moved) < 2:
-        return False
-    spread = np.linalg.svd(np.array(moved), compute_uv=False)
-    return bool(spread[1] > TOLERANCE * spread[0])

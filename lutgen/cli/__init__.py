@@ -1,8 +1,7 @@
-"""The `lutgen` command: one module per verb, results on stdout, progress and logs on stderr.
+"""The `lutgen` command: results on stdout, progress and logs on stderr.
 
-In reading order: `options`, `sources`, `table`, `check`, `eval_export`, `eval`,
-`export`, `explore`, `import_`, `info`, `limits`, `budget`, `metrics`, `new`, `optimum`, `paper`,
-`path`, `plot`, `policy`, `control`, `recipes`, `schema`, `stance`, `sweep`, `wheels`, `group`.
+In reading order: `options`, `output`, `recipes`, `import_`, `sweep`, `eval`, `limits`, `budget`,
+`metrics`, `wheels`, `stance`, `optimum`, `path`, `control`, `plot`, `export`, `pages`, `group`.
 """
 
 from lutgen.cli.group import main

@@ -6,22 +6,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from lutgen.cli import options
-from lutgen.cli.options import Assignments, Named, RecipeOptions, asks, option
-from lutgen.cli.table import aligned, by_unit, show
+from lutgen.cli import options as given
+from lutgen.cli.options import command, open_recipe, option, stored_values
+from lutgen.cli.output import VERDICTS, aligned, by_unit, show
+from lutgen.cli.path import PAPER, RunOptions, check_run, gravity_columns, open_terrain, save_run
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from firmware_export.control import Loop, Plant, Ride, Steering
-    from lutgen.recipe import Recipe
+    from firmware_export.control import Loop, Plant, Steering
     from lutgen.search import Drive
+    from lutgen.search import Path as Ground
+    from lutgen.vector import Floats
 
-PAPER, POINTS = "paper", 100
 # Of a policy that is made here: a cycle at each point of a path, no turn of `up` is too large, and
 # little is given up for smoothness.
 CYCLE, ANYHOW, WITHIN = 1.0, math.pi, math.radians(0.1)
@@ -30,8 +26,8 @@ WITHOUT, WITH = "without control", "with control"
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
-    """What the command line says."""
+class Options(RunOptions):
+    """Options of `lutgen control`."""
 
     terrain: str = option(
         default=PAPER,
@@ -39,7 +35,7 @@ class Asked(RecipeOptions):
         help="As of `lutgen path`: the paper's path, or columns x,y,z and more.",
     )
     log: str | None = option(
-        type=Named(),
+        type=given.Named(),
         metavar="FILE.csv",
         help="Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
         "gyroscope, and each parameter.",
@@ -47,17 +43,14 @@ class Asked(RecipeOptions):
     turn: float = option(
         default=0.0, help="Turn the robot by this angle against the path's heading, deg."
     )
-    assignments: tuple[tuple[str, float], ...] = options.parameters()
     speed: float | None = option(
         type=float, help="Along the path, length per second.  [default: a cycle at each point]"
     )
     latency: float | None = option(
         type=float, help="From sample to motion, s; a cycle at least.  [default: the policy's]"
     )
-    rate: Assignments = option(  # noqa: RUF009
-        type=options.Assignment(),
-        multiple=True,
-        help="How fast a joint is, per second; repeat.  [default: the policy's]",
+    rate: tuple[tuple[str, float], ...] = given.values(
+        help="How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
         default=0.0, help="Standard deviation of each axis of the accelerometer, m/s2."
@@ -66,20 +59,10 @@ class Asked(RecipeOptions):
     no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
     objective: str | None = option(help="Of the policy that is made for a recipe.")
     cycle: float | None = option(type=float, help="Of that policy, s.  [default: 1]")
-    output: str | None = options.output(help="CSV file of the run with control.")
-    plot: str | None = option(type=Named(), help="Figure (PNG, SVG or PDF).")
-    size: str | None = options.size()
-    style: str = options.style()
-    force: bool = options.force()
-    animate: str | None = option(
-        type=Named(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
-    )
 
 
-@click.command(short_help="Steer a robot over rough ground with the C of on-board control.")
-@click.argument("source", type=Named())
-@asks(Asked)
-def control(source: str, asked: Asked) -> None:
+@command("source", Options, "Steer a robot over rough ground with the C of on-board control.")
+def control(source: str, options: Options) -> None:
     """Ride with SOURCE, a folder of `lutgen policy` or a recipe, in a closed loop with smap_step.
 
     The C that lutgen carries is asked with the folder's map and policy; nothing in the folder is
@@ -91,171 +74,129 @@ def control(source: str, asked: Asked) -> None:
     $ lutgen policy maps/paper_two.toml -o fw --cycle 1 --rate alpha=60 --rate gamma=60
     $ lutgen control fw --turn 30 -p alpha=30.96 -p gamma=30.96 --animate ride.gif
     """
-    if asked.animate is not None:
-        from lutgen.plot import check_animation
+    from firmware_export.control import controlled, read_log, ride_along, ride_logged, uncontrolled
 
-        check_animation(asked.animate)
-    options.check_outputs(asked.force, asked.plot, asked.animate)
-    from firmware_export.control import controlled, uncontrolled
-
-    steering = _steering(source, asked)
-    robot = steering.recipe
-    ride, plant = _ride(steering, asked), _plant(steering, asked)
-    start = _start(robot, ride, asked)
+    check_run(options)
+    # Read before a policy is made, which takes its time.
+    ground = ground_of(options)
+    steering = steering_for(source, options)
+    if ground is not None:
+        ride = ride_along(ground, steering.cycle, options.speed)
+    else:
+        ride = ride_logged(*read_log(str(options.log), steering.recipe), steering)
+    plant = plant_for(steering, options)
+    if ride.driven is not None and not options.assignments:
+        start: Floats = ride.driven[0]
+    else:
+        start = given.posture_values(steering.recipe, options.assignments)
     loop = controlled(steering, ride, start, plant)
     runs = {WITHOUT: uncontrolled(steering, ride, start), WITH: loop.drive}
-    if asked.output is not None:
-        from lutgen.files import csv_text, write_text
-
-        columns = _columns(robot, loop, steering.cycle)
-        text = csv_text(list(columns), zip(*columns.values(), strict=True))
-        write_text(asked.output, text, asked.force)
-    if asked.plot is not None:
-        from lutgen.plot import draw_path, on_sheet, save
-
-        with on_sheet(asked.size, asked.style):
-            save(draw_path(robot, runs), asked.plot, force=asked.force)
-    if asked.animate is not None:
-        from lutgen.plot import animate
-
-        animate(robot, runs, asked.animate, asked.force)
-    report = _report(source, steering, plant, runs, loop, asked)
-    show(report, lines(report), asked.as_json)
+    save_run(steering.recipe, runs, columns_of(steering, loop), options)
+    late = plant.lag(steering.cycle)
+    report = {
+        "robot": steering.recipe.name,
+        "source": source,
+        "ground": options.log or options.terrain,
+        "codec": steering.codec,
+        "cycle_s": steering.cycle,
+        "cycles": len(loop.moves),
+        "late_by_cycles": late,
+        "rates": by_unit(steering.recipe, plant.rates),
+        "noise_m_s2": plant.noise,
+        **runs_report(runs, loop),
+    }
+    show(report, lines, options.as_json)
 
 
-def _steering(source: str, asked: Asked) -> "Steering":
+def steering_for(source: str, options: Options) -> "Steering":
     """Return the robot and what steers it."""
     from firmware_export.control import Wishes, steering_in, steering_of
-    from lutgen.cli.sources import open_recipe
 
     if Path(source).is_dir():
-        for name in ("objective", "cycle"):
-            if getattr(asked, name) is not None:
+        for name, value in (("objective", options.objective), ("cycle", options.cycle)):
+            if value is not None:
                 raise InputError(
                     f"{source}: a folder has its policy (got --{name}); make another one with "
                     "`lutgen policy`."
                 )
         return steering_in(source)
-    robot = open_recipe(source, asked.allow_python)
-    cycle = CYCLE if asked.cycle is None else asked.cycle
+    robot = open_recipe(source, options.allow_python)
+    cycle = CYCLE if options.cycle is None else options.cycle
+    # Every parameter goes all the way in a cycle, unless its rate is given.
+    at_once = cycle if cycle > 0.0 else 1.0
     wishes = Wishes(
-        objective=asked.objective or "tip_angle",
+        objective=options.objective or "tip_angle",
         within=WITHIN,
-        rate=_stored(robot, asked.rate) or {p.name: _at_once(p, cycle) for p in robot.parameters},
+        rate=stored_values(robot, options.rate, "--rate")
+        or {p.name: (p.maximum - p.minimum) / at_once for p in robot.parameters},
         cycle=cycle,
-        latency=max(asked.latency or 0.0, 1e-6),
+        latency=max(options.latency or 0.0, 1e-6),
         swerve=ANYHOW,
     )
     return steering_of(robot, wishes)
 
 
-def _at_once(parameter: Any, cycle: float) -> float:
-    """Return the rate at which a parameter goes all the way in a cycle."""
-    span: float = parameter.maximum - parameter.minimum
-    return span / cycle if cycle > 0.0 else span
-
-
-def _stored(recipe: "Recipe", given: Assignments) -> dict[str, float]:
-    """Return rates in rad or length per second, by parameter."""
-    from lutgen.parts import to_internal
-
-    rates = options.named_values(recipe, given)
-    units = {p.name: p.display_unit for p in recipe.parameters}
-    return {name: to_internal(rate, units[name]) for name, rate in rates.items()}
-
-
-def _plant(steering: "Steering", asked: Asked) -> "Plant":
+def plant_for(steering: "Steering", options: Options) -> "Plant":
     """Return what is between the C and the ground."""
     from firmware_export.control import Plant
 
     rates = steering.rates.copy()
     names = [p.name for p in steering.recipe.parameters]
-    for name, rate in _stored(steering.recipe, asked.rate).items():
+    for name, rate in stored_values(steering.recipe, options.rate, "--rate").items():
         rates[names.index(name)] = rate
-    latency = steering.latency if asked.latency is None else asked.latency
-    return Plant(latency, rates, asked.noise, asked.seed, not asked.no_gyroscope)
+    latency = steering.latency if options.latency is None else options.latency
+    return Plant(latency, rates, options.noise, options.seed, not options.no_gyroscope)
 
 
-def _ride(steering: "Steering", asked: Asked) -> "Ride":
-    """Return what is ridden over."""
-    from firmware_export.control import read_log, ride_along, ride_logged
-    from lutgen.search import paper_path, read_path, turned
-
-    if asked.log is not None:
-        if asked.animate is not None:
-            raise InputError(
-                f"{asked.log}: a log does not say where the robot was (got --animate with --log); "
-                "take --plot."
-            )
-        if asked.terrain != PAPER or asked.speed is not None or asked.turn:
-            raise InputError(
-                f"{asked.log}: a log has its own ground, time and heading (got --terrain, --speed "
-                "or --turn with --log); leave them out."
-            )
-        return ride_logged(*read_log(asked.log, steering.recipe), steering)
-    path = paper_path(POINTS) if asked.terrain == PAPER else read_path(asked.terrain)
-    if asked.turn:
-        path = turned(path, math.radians(asked.turn))
-    return ride_along(path, steering.cycle, asked.speed)
+def ground_of(options: Options) -> "Ground | None":
+    """Return the path that is ridden over; None where a log is."""
+    if options.log is None:
+        return open_terrain(options.terrain, options.turn)
+    if options.animate is not None:
+        raise InputError(
+            f"{options.log}: a log does not say where the robot was (got --animate with --log); "
+            "take --plot."
+        )
+    if options.terrain != PAPER or options.speed is not None or options.turn:
+        raise InputError(
+            f"{options.log}: a log has its own ground, time and heading (got --terrain, --speed "
+            "or --turn with --log); leave them out."
+        )
+    return None
 
 
-def _start(robot: "Recipe", ride: "Ride", asked: Asked) -> "NDArray[np.float64]":
-    """Return the posture (k,) in which the robot begins."""
-    import numpy as np
-
-    if ride.driven is not None and not asked.assignments:
-        return np.array(ride.driven[0])
-    return np.array(options.posture_values(robot, asked.assignments), np.float64)
-
-
-def _columns(robot: "Recipe", loop: "Loop", cycle: float) -> dict[str, Any]:
+def columns_of(steering: "Steering", loop: "Loop") -> dict[str, Any]:
     """Return what `-o` writes: the columns by name, each of n values."""
     import numpy as np
 
     drive, count = loop.drive, len(loop.moves)
-    columns: dict[str, Any] = {"time": (np.arange(count) * cycle).tolist()}
-    columns |= dict(zip("xyz", drive.path.position.T.tolist(), strict=True))
-    columns |= by_unit(robot, drive.params)
-    columns |= by_unit(robot, drive.wanted, "_commanded")
-    columns |= {
-        f"gravity_{axis}": drive.gravity_body[:, i].tolist() for i, axis in enumerate("xyz")
+    return {
+        "time": (np.arange(count) * steering.cycle).tolist(),
+        **dict(zip("xyz", drive.path.position.T.tolist(), strict=True)),
+        **by_unit(steering.recipe, drive.params),
+        **by_unit(steering.recipe, drive.wanted, "_commanded"),
+        **gravity_columns(drive),
+        "tip_angle_deg": np.degrees(drive.channels["tip_angle"]).tolist(),
+        "move": [MOVES[move] for move in loop.moves],
+        "alarm": loop.alarms.tolist(),
+        "poses": loop.poses.tolist(),
+        "tips": drive.tips.tolist(),
     }
-    columns["tip_angle_deg"] = np.degrees(drive.channels["tip_angle"]).tolist()
-    columns["move"] = [MOVES[move] for move in loop.moves]
-    columns["alarm"], columns["poses"] = loop.alarms.tolist(), loop.poses.tolist()
-    columns["tips"] = drive.tips.tolist()
-    return columns
 
 
-def _report(
-    source: str,
-    steering: "Steering",
-    plant: "Plant",
-    runs: "Mapping[str, Drive]",
-    loop: "Loop",
-    asked: Asked,
-) -> dict[str, Any]:
-    """Return what `--json` prints."""
+def runs_report(runs: "Mapping[str, Drive]", loop: "Loop") -> dict[str, Any]:
+    """Return what `--json` prints of the runs and of what the C did."""
     import numpy as np
 
     only = runs[WITH].tips & ~runs[WITHOUT].tips
     return {
-        "robot": steering.recipe.name,
-        "source": source,
-        "ground": asked.log or asked.terrain,
-        "codec": steering.codec,
-        "cycle_s": steering.cycle,
-        "cycles": len(loop.moves),
-        "late_by_cycles": plant.lag(steering.cycle),
-        "rates": by_unit(steering.recipe, plant.rates),
-        "noise_m_s2": plant.noise,
         "runs": [
             {
                 "name": name,
                 "share": run.share,
                 "tips": int(run.tips.sum()),
-                "least_tip_angle_deg": math.degrees(float(run.channels["tip_angle"].min())),
-                "median_tip_angle_deg": math.degrees(float(np.median(run.channels["tip_angle"]))),
+                "least_tip_angle_deg": math.degrees(run.channels["tip_angle"].min()),
+                "median_tip_angle_deg": math.degrees(np.median(run.channels["tip_angle"])),
             }
             for name, run in runs.items()
         ],
@@ -266,25 +207,22 @@ def _report(
     }
 
 
-def lines(report: Mapping[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
     ground = "the paper's path" if report["ground"] == PAPER else report["ground"]
-    late = report["late_by_cycles"]
     yield (
         f"{report['robot']} on {ground}: {report['cycles']} cycles of {report['cycle_s']:g} s, "
-        f"commands late by {late}"
+        f"commands late by {report['late_by_cycles']}"
     )
     yield from aligned(
         [
-            [
-                run["name"],
-                f"tips over in {run['tips']} cycles ({100.0 * run['share']:.3g} %)",
-                f"least tip angle {run['least_tip_angle_deg']:.4g} deg",
-                f"median {run['median_tip_angle_deg']:.4g} deg",
-            ]
-            for run in report["runs"]
+            run["name"],
+            f"{VERDICTS['tips']} in {run['tips']} cycles ({100.0 * run['share']:.3g} %)",
+            f"least tip angle {run['least_tip_angle_deg']:.4g} deg",
+            f"median {run['median_tip_angle_deg']:.4g} deg",
         ]
+        for run in report["runs"]
     )
-    yield f"it tips only with control in {report['tips_only_with_control']} cycles"
+    yield f"it tips over only with control in {report['tips_only_with_control']} cycles"
     moves = ", ".join(f"{name} {count}" for name, count in report["moves"].items() if count)
     yield f"smap_step: {moves}; alarm 0 to 3: {', '.join(map(str, report['alarms']))}"

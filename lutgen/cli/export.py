@@ -1,5 +1,6 @@
-"""`lutgen export`: C tables, runtime and report."""
+"""`lutgen export` and `lutgen policy`: a map as C, and the policy that steers a robot by it."""
 
+import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,21 +8,25 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import Named, RecipeOptions, asks, force, log, option, output
-from lutgen.cli.sources import open_source
-from lutgen.cli.table import show
+from lutgen.cli import options as given
+from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
+from lutgen.cli.output import aligned, show
 from lutgen.quantities import EXPORTABLE
-
-ARITHMETIC = ("float", "integer")
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
-    """What the command line says."""
+class FolderOptions(RecipeOptions):
+    """Options of every command that writes a folder of C."""
 
-    output: str = output(required=True, help="The folder; it appears when whole.")
-    force: bool = force()
+    output: str = given.output(required=True, help="The folder; it appears when whole.")
     name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
+
+
+@dataclass(frozen=True)
+class ExportOptions(FolderOptions):
+    """Options of `lutgen export`."""
+
+    force: bool = given.force()
     flash: str | None = option(
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
     )
@@ -40,17 +45,46 @@ class Asked(RecipeOptions):
         help="auto, or the only one that may be used; any other name is answered with all.",
     )
     arithmetic: str = option(
-        type=click.Choice(ARITHMETIC),
+        type=click.Choice(("float", "integer")),
         default="float",
         help="integer: for processors without floating point.",
     )
 
 
-@click.command(short_help="Write a map as C tables with a small runtime.")
-@click.argument("source", type=Named())
-@asks(Asked)
-@click.pass_context
-def export(ctx: click.Context, source: str, asked: Asked) -> None:
+@dataclass(frozen=True)
+class PolicyOptions(FolderOptions):
+    """Options of `lutgen policy`."""
+
+    objective: str = option(
+        default="tip_angle",
+        help="tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
+        "that keeps --margin; sdg, as the paper has it.",
+    )
+    within: float = option(
+        default=1.0, help="Of all postures within so many deg of the best the smoothest is taken."
+    )
+    nodes: int = option(default=9, help="Nodes of the table along either slope.")
+    slope: float = option(default=45.0, help="Steepest slope of the table, deg.")
+    home: tuple[tuple[str, float], ...] = given.values(
+        help="Posture where nothing else matters; repeat for each."
+    )
+    rate: tuple[tuple[str, float], ...] = given.values(
+        help="How fast a parameter changes, per second; repeat."
+    )
+    delta: tuple[tuple[str, float], ...] = given.values(
+        help="How far from what the driver asks for; repeat."
+    )
+    cycle: float = option(default=0.02, help="Of a cycle, s.")
+    latency: float = option(default=0.06, help="From sample to motion, s.")
+    margin: float = option(default=3.0, help="Tip angle that every way is to keep, deg.")
+    convention: str = given.convention(
+        "plane", "body", "Whether the robot leans as its shape makes it, or keeps its attitude."
+    )
+    poses: int = option(default=1, help="Poses that a cycle may make of many contacts, 1 or 2.")
+
+
+@command("source", ExportOptions, "Write a map as C tables with a small runtime.")
+def export(source: str, options: ExportOptions) -> None:
     """Write SOURCE, a map or a recipe, as a folder of C sources that any project can take.
 
     With a flash size the most exact export that fits, with a largest error the smallest that
@@ -66,14 +100,14 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
-    check_directory(asked.output, asked.force)
-    named(asked.codec)
-    if asked.flash is not None:
-        parse_size(asked.flash)
-    if asked.max_error is not None:
-        parse_error(asked.max_error)
-    wanted = asked.channels
-    quiet = bool(ctx.find_root().params.get("quiet"))
+    check_directory(options.output, options.force)
+    named(options.codec)
+    if options.flash is not None:
+        parse_size(options.flash)
+    if options.max_error is not None:
+        parse_error(options.max_error)
+    channels = options.channels
+    quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()
 
     def progress(text: str) -> None:
@@ -83,34 +117,33 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
 
     try:
         report = run(
-            open_source(source, asked.allow_python),
-            asked.output,
-            name=asked.name,
-            flash=asked.flash,
-            max_error=asked.max_error,
-            channels=None if wanted is None else [part.strip() for part in wanted.split(",")],
-            codec=asked.codec,
-            arithmetic=asked.arithmetic,
+            open_source(source, options.allow_python),
+            options.output,
+            name=options.name,
+            flash=options.flash,
+            max_error=options.max_error,
+            channels=None if channels is None else [part.strip() for part in channels.split(",")],
+            codec=options.codec,
+            arithmetic=options.arithmetic,
             progress=progress,
-            force=asked.force,
+            force=options.force,
         )
     except KeyboardInterrupt:
         raise click.ClickException("interrupted; nothing is left behind") from None
     finally:
         if watched:
             click.echo("\r\033[K", nl=False, err=True)
-    told = {"directory": asked.output, **report}
-    show(told, lines(told), asked.as_json)
+    show({"directory": options.output, **report}, export_lines, options.as_json)
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def export_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
     yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    for name, text in _entries(report):
-        yield f"{name:<12}{text}"
+    yield from aligned(export_entries(report))
 
 
-def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def export_entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Return what a report says of an export: names and texts."""
     from firmware_export.emit import bytes_text, errors_of, share
 
     yield "flash", bytes_text(report["bytes"])
@@ -118,12 +151,74 @@ def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
         text = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
         yield name, text or "errors not measured"
     unsafe = report["false_safe"]
-    guard = f"guard {report['guard_deg']:.3g} deg, "
     yield (
         "verdict",
-        f"{guard}{share(report['false_tip'])} of the stable configurations reported unsafe, "
+        f"guard {report['guard_deg']:.3g} deg, "
+        f"{share(report['false_tip'])} of the stable configurations reported unsafe, "
         + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
     )
     for note in (report["certificate"] or {}).get("text", ()):
         yield "note", note
     yield "folder", report["directory"]
+
+
+@command("source", PolicyOptions, "Write on-board control: the best posture for each slope.")
+def policy(source: str, options: PolicyOptions) -> None:
+    """Write SOURCE, a map or a recipe, as `lutgen export` does, with a policy that steers it.
+
+    The map decides on board what is safe, never the table.
+
+    \b
+    $ lutgen policy absolem.toml -o firmware --rate front=45 --rate rear=45
+    $ cd firmware && cc -std=c99 -I. absolem.c examples/control.c && ./a.out
+    """
+    from firmware_export.control import Wishes
+    from firmware_export.control import policy as run
+    from firmware_export.emit import check_directory
+    from lutgen.mapping import StabilityMap
+
+    check_directory(options.output)
+    opened = open_source(source, options.allow_python)
+    recipe = opened.recipe if isinstance(opened, StabilityMap) else opened
+    wishes = Wishes(
+        objective=options.objective,
+        within=math.radians(options.within),
+        nodes=options.nodes,
+        slope=math.radians(options.slope),
+        home=stored_values(recipe, options.home, "--home"),
+        rate=stored_values(recipe, options.rate, "--rate"),
+        delta=stored_values(recipe, options.delta, "--delta"),
+        cycle=options.cycle,
+        latency=options.latency,
+        margin=math.radians(options.margin),
+        convention=options.convention,
+        poses=options.poses,
+    )
+    report, found = run(
+        opened, options.output, wishes, lambda text: log.info("%s", text), name=options.name
+    )
+    loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}
+    show({"directory": options.output, **report, "loss": loss}, policy_lines, options.as_json)
+
+
+def policy_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return the report as text."""
+    policy, loss = report["policy"], report["loss"]
+    yield f"{report['name']}: {report['spec']}, steered by a table of {policy['table_bytes']} bytes"
+    losses = f"{loss['mean']:.2g} deg mean, {loss['p95']:.2g} p95, {loss['largest']:.2g} largest"
+    yield from aligned(
+        [
+            ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
+            (
+                "steps",
+                f"{loss['step']:.3g} deg between nodes at most; the best alone jumps "
+                f"{loss['best_step']:.3g}",
+            ),
+            (
+                "tips over",
+                f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands",
+            ),
+            ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
+            ("folder", report["directory"]),
+        ]
+    )

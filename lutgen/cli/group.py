@@ -11,25 +11,20 @@ import click
 
 from lutgen._version import __version__
 from lutgen.cli.budget import budget
-from lutgen.cli.check import check
 from lutgen.cli.control import control
 from lutgen.cli.eval import eval_
-from lutgen.cli.explore import explore
-from lutgen.cli.export import export
+from lutgen.cli.export import export, policy
 from lutgen.cli.import_ import import_
-from lutgen.cli.info import info
 from lutgen.cli.limits import limits
 from lutgen.cli.metrics import metrics
-from lutgen.cli.new import new
 from lutgen.cli.optimum import optimum
-from lutgen.cli.paper import paper
+from lutgen.cli.pages import explore, paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
-from lutgen.cli.policy import policy
-from lutgen.cli.recipes import recipes
-from lutgen.cli.schema import schema
+from lutgen.cli.recipes import check, new, recipes, schema
 from lutgen.cli.stance import stance
-from lutgen.cli.sweep import sweep
+from lutgen.cli.sweep import info, sweep
+from lutgen.cli.weigh import weigh
 from lutgen.cli.wheels import wheels
 from lutgen.errors import ExportError, InputError, LutgenError, SweepError, readable
 
@@ -138,7 +133,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, explore, policy, wheels, paper, path),
+    *(stance, weigh, optimum, plot, export, explore, policy, wheels, paper, path),
     *(budget, control),
 ):
     main.add_command(command)

@@ -6,26 +6,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from lutgen.cli.options import (
-    Assignment,
-    Named,
-    as_json,
-    asks,
-    finite_numbers,
-    force,
-    log,
-    option,
-    output,
-)
-from lutgen.cli.table import show
+from lutgen.cli import options as given
+from lutgen.cli.options import command, finite_numbers, log, option
+from lutgen.cli.output import show
 from lutgen.errors import InputError, RecipeError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
-    from lutgen.recipe import Recipe
-    from lutgen.urdf import Srdf, UrdfRobot
+    from lutgen.propose import Imported, Standing
+    from lutgen.urdf.description import UrdfRobot
+    from lutgen.vector import Floats
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
@@ -33,10 +23,10 @@ KEPT = "pass --merge to keep what was edited by hand, or --force to write over i
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What the command line says."""
+class Options:
+    """Options of `lutgen import`."""
 
-    output: str = output(required=True, help="Recipe to write (.toml).")
+    output: str = given.output(required=True, help="Recipe to write (.toml).")
     name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
     contacts: tuple[str, ...] = option(
         "-c",
@@ -71,11 +61,11 @@ class Asked:
         is_flag=True,
         help="Keep the recipe that is there: only masses and places of its links become new.",
     )
-    force: bool = force(help="Write over a recipe that is there, and what was edited in it.")
+    force: bool = given.force(help="Write over a recipe that is there, and what was edited in it.")
     assignments: tuple[tuple[str, float], ...] = option(
         "-p",
         "--parameter",
-        type=Assignment("JOINT=VALUE", "joint and value", "knee=-60"),
+        type=given.Numbers("JOINT=VALUE", "joint and value", "for example knee=-60"),
         multiple=True,
         help="Where a joint stands, in deg or m, before what an SRDF says; repeat.",
     )
@@ -83,7 +73,7 @@ class Asked:
         metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
     )
     srdf: str | None = option(
-        type=Named(), help="SRDF file with postures; by default one beside the description."
+        type=given.Named(), help="SRDF file with postures; by default one beside the description."
     )
     packages: tuple[str, ...] = option(
         "--package",
@@ -94,14 +84,12 @@ class Asked:
     arguments: tuple[str, ...] = option(
         "--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
     )
-    as_json: bool = as_json()
+    as_json: bool = given.as_json()
 
 
-@click.command("import", short_help="Write a recipe from a robot description (URDF).")
-@click.argument("urdf", type=Named())
-@asks(Asked)
-def import_(urdf: str, asked: Asked) -> None:
-    """Write a recipe from the robot description URDF and say what it leaves out.
+@command("urdf", Options, "Write a recipe from a robot description (URDF, MJCF).")
+def import_(urdf: str, options: Options) -> None:
+    """Write a recipe from a robot description, URDF or MJCF, and say what it leaves out.
 
     It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
     otherwise.  Without --contact, the spheres and cylinders near the ground then touch it, and the
@@ -117,64 +105,76 @@ def import_(urdf: str, asked: Asked) -> None:
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import check_target, write_text
-    from lutgen.propose import Coupling, import_urdf
+    from lutgen.propose import Coupling, import_urdf, standing_posture
     from lutgen.recipe import merged_recipe, read_text
-    from lutgen.urdf import Meshes, Sources, centre_of_mass, places, read_motion
+    from lutgen.urdf.meshes import Meshes
+    from lutgen.urdf.sources import Sources
+    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside
 
-    if not asked.output.endswith(".toml"):
-        raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
-    robot = _read(urdf, asked)
-    if asked.name is not None:
-        if not asked.name.strip():
-            raise InputError("--name: must not be empty (got ''); leave it out.")
-        robot = replace(robot, name=asked.name)
+    if not options.output.endswith(".toml"):
+        got = options.output
+        raise InputError(f"--output: is no recipe's name (got {got!r}); end it in .toml.")
+    robot, hulls = read_robot(urdf, options)
     links = {link.name for link in robot.links}
     # A link's own name may have an equals sign in it.
-    named = [text for text in asked.contacts if text in links or "=" not in text]
-    points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
-    srdf = _srdf(urdf, robot, asked)
-    posture, words, beyond = _standing(urdf, robot, asked, srdf)
-    chosen = named if asked.contacts else None
-    coupling = Coupling(asked.couples, srdf.groups if srdf is not None else {})
-    meshes = Meshes(Sources(Path(urdf).parent, _packages(asked)))
-    made = import_urdf(robot, chosen, points, asked.joints or None, posture, meshes, coupling)
-    recipe = made.recipe
-    report = {
-        "name": recipe.name,
-        "mass": math.fsum(link.mass for link in robot.links),
-        "com": centre_of_mass(robot, places(robot, read_motion(robot, (), posture))).tolist(),
-        "posture": words,
-        "parameters": [p.name for p in recipe.parameters],
-        "coupled": made.couples,
-        "because": made.because,
-        "contacts": list(recipe.contact_names),
-        "guessed": list(made.guessed),
-        "left_out": [*beyond, *made.left_out],
-        "warnings": list(made.warnings),
-    }
+    named = [text for text in options.contacts if text in links or "=" not in text]
+    points = [point(text, i) for i, text in enumerate(options.contacts, 1) if text not in named]
+    file = Path(options.srdf) if options.srdf is not None else srdf_beside(urdf)
+    srdf = None if file is None else load_srdf(file, robot)
+    rest = standing_posture(robot, srdf, options.posture, joint_values(robot, options.assignments))
+    made = import_urdf(
+        robot,
+        named if options.contacts else None,
+        points,
+        options.joints or None,
+        rest.values,
+        Meshes(Sources(Path(urdf).parent, packages(options)), hulls),
+        Coupling(options.couples, srdf.groups if srdf is not None else {}),
+    )
+    report = import_report(robot, rest, made)
     for words in made.warnings:
         log.warning("%s: %s", urdf, words)
     text = made.text
-    if asked.merge:
-        old = read_text(asked.output)
-        text, report["changed"] = merged_recipe(old, asked.output, made.text)
+    if options.merge:
+        old = read_text(options.output)
+        text, report["changed"] = merged_recipe(old, options.output, made.text)
     else:
-        check_target(asked.output, asked.force, text.encode("utf-8"), KEPT)
-    write_text(asked.output, text, asked.force or asked.merge)
-    _warn_unless_standing(recipe)
-    show(report, import_lines(report, robot.root), asked.as_json)
+        check_target(options.output, options.force, text.encode("utf-8"), KEPT)
+    write_text(options.output, text, options.force or options.merge)
+    warn_unless_standing(made)
+    show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
 
 
-def _warn_unless_standing(recipe: "Recipe") -> None:
+def import_report(robot: "UrdfRobot", rest: "Standing", made: "Imported") -> dict[str, Any]:
+    """Return what `--json` prints."""
+    from lutgen.urdf.joints import read_motion
+    from lutgen.urdf.links import centre_of_mass, places
+
+    return {
+        "name": made.recipe.name,
+        "mass": math.fsum(link.mass for link in robot.links),
+        "com": centre_of_mass(robot, places(robot, read_motion(robot, (), rest.values))),
+        "posture": rest.words,
+        "parameters": [p.name for p in made.recipe.parameters],
+        "coupled": made.couples,
+        "because": made.because,
+        "contacts": made.recipe.contact_names,
+        "guessed": made.guessed,
+        "left_out": [*rest.left_out, *made.left_out],
+        "warnings": made.warnings,
+    }
+
+
+def warn_unless_standing(made: "Imported") -> None:
     """Say that a recipe is of no use yet where its robot stands in none of its postures."""
     from lutgen.mapping import require_standing
 
     try:
-        require_standing(recipe)
+        require_standing(made.recipe)
     except RecipeError:
         log.warning(
             "%s: %s; choose others with --contact, or correct them in the recipe",
-            recipe.name,
+            made.recipe.name,
             STANDS_NOWHERE,
         )
 
@@ -205,90 +205,62 @@ def scaled(joint: str, scale: float) -> str:
     return {1.0: joint, -1.0: f"-{joint}"}.get(scale, f"{scale:g}*{joint}")
 
 
-def _srdf(path: str, robot: "UrdfRobot", asked: Asked) -> "Srdf | None":
-    """Return what the SRDF file says that is given or stands beside the description."""
-    from lutgen.urdf import load_srdf, srdf_beside
+def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Floats]]":
+    """Read a description, after expansion where it is asked for, under the name that is given.
 
-    file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
-    return None if file is None else load_srdf(file, robot)
+    Of MuJoCo's format there are the corners of its meshes, too.
+    """
+    from lutgen.urdf.joints import soft_limited
+    from lutgen.urdf.mjcf import is_mjcf, load_mjcf
+    from lutgen.urdf.read import load_urdf
+    from lutgen.urdf.sources import load_xacro
 
-
-def _standing(
-    path: str, robot: "UrdfRobot", asked: Asked, srdf: "Srdf | None"
-) -> tuple[dict[str, float], str, list[str]]:
-    """Return the posture to stand in (rad, m), where it comes from, and what it leaves out."""
-    from lutgen.urdf import beyond_limits, joint_values
-
-    given = joint_values(robot, asked.assignments)
-    if srdf is None:
-        if asked.posture is not None:
-            raise InputError(
-                f"--posture: there is no SRDF file beside {path} (got {asked.posture!r}); "
-                "give one with --srdf, or joints with -p."
-            )
-        why = "no SRDF file names one"
-        values: dict[str, float] = {}
-    else:
-        file = Path(srdf.source)
-        name = asked.posture if asked.posture is not None else srdf.standing()
-        values = {} if name is None else srdf.posture(name)
-        known = ", ".join(srdf.postures) or "none"
-        why = f"{file.name} names none to stand in: {known}" if name is None else ""
-        words = f"{name} of {file.name}"
-    if why:
-        words = f"joints at zero, or at their limit nearest to it ({why})"
-    if given:
-        words = f"{', '.join(given)} as given; else {words}"
-    beyond = [
-        f"joint {joint}: at its limit, beyond which the posture is"
-        for joint in beyond_limits(robot, values)
-        if joint not in given
-    ]
-    return {**values, **given}, words, beyond
-
-
-def _read(path: str, asked: Asked) -> "UrdfRobot":
-    """Read a description, after expansion where it is asked for."""
-    from lutgen.urdf import load_urdf, load_xacro, soft_limited
-
-    macros = path.endswith(".xacro")
-    if macros and not asked.xacro:
+    if path.endswith(".xacro") and not options.xacro:
         raise InputError(
             f"{path}: must be expanded, which evaluates it and reads the files that it includes "
             "(got no --xacro); pass --xacro if you trust it."
         )
-    arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
-    if arguments and not asked.xacro:
+    arguments = dict(pairs("--arg", "NAME=VALUE", options.arguments))
+    if arguments and not options.xacro:
         raise InputError(f"--arg: is for xacro (got {path}); leave it out, or pass --xacro.")
-    robot = load_xacro(path, _packages(asked), arguments) if asked.xacro else load_urdf(path)
-    return soft_limited(robot) if asked.soft_limits else robot
+    hulls: dict[str, Floats] = {}
+    if options.xacro:
+        robot = load_xacro(path, packages(options), arguments)
+    elif is_mjcf(path):
+        robot, hulls = load_mjcf(path)
+    else:
+        robot = load_urdf(path)
+    if options.name is not None:
+        if not options.name.strip():
+            raise InputError("--name: must not be empty (got ''); leave it out.")
+        robot = replace(robot, name=options.name)
+    return soft_limited(robot) if options.soft_limits else robot, hulls
 
 
-def _packages(asked: Asked) -> dict[str, Path]:
+def packages(options: Options) -> dict[str, Path]:
     """Return the folders of packages that are given."""
-    given = _pairs("--package", "NAME=DIR", asked.packages)
-    packages = {name: Path(folder) for name, folder in given}
-    for name, folder in packages.items():
+    found = {
+        name: Path(folder) for name, folder in pairs("--package", "NAME=DIR", options.packages)
+    }
+    for name, folder in found.items():
         if not folder.is_dir():
             raise InputError(
                 f"--package: {name} is in no folder that there is (got {str(folder)!r}); "
                 "write NAME=DIR."
             )
-    return packages
+    return found
 
 
-def _pairs(option: str, form: str, texts: tuple[str, ...]) -> list[tuple[str, str]]:
+def pairs(flag: str, form: str, texts: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     """Return name and value of each NAME=VALUE."""
-    result = []
     for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name.strip() and equals and value):
-            raise InputError(f"{option}: has no name or no value (got {text!r}); write {form}.")
-        result.append((name.strip(), value))
-    return result
+        name, _, value = text.partition("=")
+        if not (name.strip() and value):
+            raise InputError(f"{flag}: has no name or no value (got {text!r}); write {form}.")
+        yield name.strip(), value
 
 
-def _point(text: str, index: int) -> "Contact":
+def point(text: str, index: int) -> "Contact":
     """Return the contact of ``LINK=X,Y,Z[,R]``."""
     from lutgen.parts import Contact
 

@@ -1,34 +1,30 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli import options
-from lutgen.cli.options import Named, RecipeOptions, asks, log, option
-from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import TIPS, cell, number, show, unit_text
+from lutgen.cli import options as given
+from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
+from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from lutgen.recipe import Recipe
     from lutgen.search import Optimum
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
-    """What the command line says."""
+class Options(RecipeOptions):
+    """Options of `lutgen optimum`."""
 
-    gravity: tuple[float, float, float] = options.gravity()
-    method: str = options.method(
+    gravity: tuple[float, float, float] = given.gravity()
+    method: str = given.method(
         help=(
             "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
             "mead: one simplex; multistart: many, for objectives with several minima."
@@ -37,21 +33,19 @@ class Asked(RecipeOptions):
     objective: str = option(
         default="sdg", help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height."
     )
-    convention: str = options.convention()
-    assignments: tuple[tuple[str, float], ...] = options.parameters(
+    convention: str = given.convention()
+    assignments: tuple[tuple[str, float], ...] = given.parameters(
         help=(
             "Keep this parameter at a value, in the recipe's unit, and search the others; "
             "repeatable."
         )
     )
     bounds: tuple[tuple[str, float, float], ...] = option(
-        type=options.Assignment("NAME=LOW:HIGH", "interval", "alpha=20:40"),
+        type=given.Numbers(*given.RANGE),
         multiple=True,
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
-    start: tuple[tuple[str, float], ...] = option(
-        type=options.Assignment(),
-        multiple=True,
+    start: tuple[tuple[str, float], ...] = given.values(
         help="Where nelder-mead and multistart begin; by default in the middle; repeatable.",
     )
     limit: float | None = option(
@@ -61,20 +55,18 @@ class Asked(RecipeOptions):
             "ranges; by default all geometries that stand are acceptable."
         ),
     )
-    levels: int = option(type=options.WholeRange(min=1), default=6, help="Steps of search.")
+    levels: int = option(type=given.Number(int, 1), default=6, help="Steps of search.")
     ends: str = option(
         type=click.Choice(["left", "right"]),
         default="left",
         help="Of search: which end of each of its 5 cells is a node.",
     )
-    seed: int = option(type=options.WholeRange(min=0), default=0, help="Of multistart.")
+    seed: int = option(type=given.Number(int, 0), default=0, help="Of multistart.")
     trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 
-@click.command(short_help="Best geometry for a gravity direction.")
-@click.argument("recipe", type=Named())
-@asks(Asked)
-def optimum(recipe: str, asked: Asked) -> None:
+@command("recipe", Options, "Best geometry for a gravity direction.")
+def optimum(recipe: str, options: Options) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 
     With +- how far each parameter may be off, and the interval in which it may lie, the others
@@ -87,117 +79,98 @@ def optimum(recipe: str, asked: Asked) -> None:
     """
     from lutgen.search import optimum as run
 
-    robot = open_recipe(recipe, asked.allow_python)
-    box = _box(robot, asked)
-    one = QUANTITIES.get(asked.objective.strip())
+    robot = open_recipe(recipe, options.allow_python)
+    kept = stored_values(robot, options.assignments)
+    one = QUANTITIES.get(options.objective.strip())
+    box = bounds_of(robot, kept, options)
     found = run(
         robot,
-        asked.gravity,
-        asked.method,
-        asked.objective,
-        convention=asked.convention,
-        bounds=box,
-        start=_start(robot, asked, box),
-        limit=asked.limit if asked.limit is None or one is None else one.stored(asked.limit),
-        levels=asked.levels,
-        ends=asked.ends,
-        seed=asked.seed,
+        options.gravity,
+        options.method,
+        options.objective,
+        convention=options.convention,
+        bounds=box or None,
+        start=start_of(robot, kept, box, options) if options.start else None,
+        limit=options.limit if options.limit is None or one is None else one.stored(options.limit),
+        levels=options.levels,
+        ends=options.ends,
+        seed=options.seed,
     )
-    if asked.limit is not None and found.standing and math.isnan(found.delta[0]):
+    if options.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")
-    kept = [low == high for low, high in box]
     report = optimum_report(robot, found, kept)
-    if asked.trace:
-        report["trace"] = _steps(robot, found)
-    text = optimum_lines(robot, found, kept, asked.trace)
-    show(report, text, asked.as_json, found.standing, TIPS)
+    if options.trace:
+        report["trace"] = steps(robot, found)
+    show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
 
 
-def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
+def bounds_of(
+    robot: "Recipe", kept: Mapping[str, float], options: Options
+) -> list[tuple[float, float]]:
     """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
-    box = {
-        name: (value, value)
-        for name, value in options.named_values(robot, asked.assignments).items()
-    }
-    names = [p.name for p in robot.parameters]
-    for name, low, high in asked.bounds:
-        options.require_known(robot.source, names, name, f"--bounds {name}={low:g}:{high:g}")
-        if name in box:
+    bounds = stored_values(robot, options.bounds, "--bounds")
+    for name, low, high in options.bounds:
+        if name in kept:
             raise InputError(
-                f"parameter {name} is bounded or kept twice (got --bounds {name}={low:g}:{high:g} "
-                "as well); give it one -p or one --bounds"
+                f"parameter {name} is bounded and kept (got --bounds {name}={low:g}:{high:g} as "
+                "well as -p); give it one -p or one --bounds"
             )
         if not low < high:
             raise InputError(
                 f"the lower bound of {name} must be below the upper one (got {low:g}:{high:g}); "
                 f"swap them, or write -p {name}={low:g} to keep it"
             )
-        box[name] = (low, high)
-    return [
-        (p.stored(box[p.name][0]), p.stored(box[p.name][1]))
-        if p.name in box
-        else (p.minimum, p.maximum)
-        for p in robot.parameters
-    ]
+    bounds |= {name: (value, value) for name, value in kept.items()}
+    return [bounds.get(p.name, (p.minimum, p.maximum)) for p in robot.parameters]
 
 
-def _start(robot: "Recipe", asked: Asked, box: Sequence[tuple[float, float]]) -> list[float] | None:
+def start_of(
+    robot: "Recipe",
+    kept: Mapping[str, float],
+    box: Sequence[tuple[float, float]],
+    options: Options,
+) -> list[float]:
     """Return where the search begins (rad, length): in the middle where nothing is said."""
-    given = dict(asked.assignments)
-    names = [p.name for p in robot.parameters]
-    for name, value in asked.start:
-        options.require_known(robot.source, names, name, f"--start {name}={value:g}")
-        if name in given:
-            raise InputError(
-                f"parameter {name} has a value already (got --start {name}={value:g} as well); "
-                "give it one -p or one --start"
-            )
-        given[name] = value
-    begin = [
-        p.stored(given[p.name]) if p.name in given else (low + high) / 2.0
-        for p, (low, high) in zip(robot.parameters, box, strict=True)
-    ]
-    return begin if asked.start else None
+    start = stored_values(robot, options.start, "--start")
+    if both := [name for name in start if name in kept]:
+        raise InputError(
+            f"parameter {both[0]} has a value already (got --start {both[0]} as well as -p); give "
+            "it one -p or one --start"
+        )
+    middle = {p.name: sum(ends) / 2.0 for p, ends in zip(robot.parameters, box, strict=True)}
+    return [*(middle | start).values()]
 
 
-def _entry(key: str, values: "float | NDArray[np.float64]", unit: str) -> dict[str, Any]:
+def entry(key: str, values: Any, unit: str) -> dict[str, Any]:
     """Return one entry with its unit in the key: deg and rad are said, lengths are not."""
-    shown = to_display(values, unit)
-    name = f"{key}_{unit}" if unit in ("deg", "rad") else key
-    return {name: number(shown) if isinstance(shown, float) else [*map(number, shown)]}
+    return {f"{key}_{unit}" if unit in ("deg", "rad") else key: to_display(values, unit)}
 
 
-def _text(value: float, unit: str) -> str:
-    """Return a number (rad, length) as text; a dash where it is not finite."""
-    return cell(number(to_display(value, unit)), unit=unit_text(unit))
-
-
-def _unit(robot: "Recipe", found: "Optimum") -> str:
+def objective_unit(robot: "Recipe", found: "Optimum") -> str:
     """Return the unit of the objective; sums have the channels' units mixed."""
     one = QUANTITIES.get(found.objective.strip())
     return one.shown_unit(robot.length_unit) if one else robot.length_unit
 
 
-def _steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
+def steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
     """Return the steps of the method."""
-    unit = _unit(robot, found)
+    unit = objective_unit(robot, found)
     return [
         {
             "parameters": {
-                p.name: _entry("value", value, p.display_unit)
+                p.name: entry("value", value, p.display_unit)
                 for p, value in zip(robot.parameters, step.params, strict=True)
             },
-            **_entry("value", step.value, unit),
+            **entry("value", step.value, unit),
             "evaluations": step.evaluations,
         }
         for step in found.trace
     ]
 
 
-def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> dict[str, Any]:
+def optimum_report(robot: "Recipe", found: "Optimum", kept: Mapping[str, float]) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
-    unit = _unit(robot, found)
-    last = _steps(robot, found)[-1]
+    last = steps(robot, found)[-1]
     del last["evaluations"]
     return {
         "robot": robot.name,
@@ -206,14 +179,14 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> d
         "objective": found.objective,
         "convention": found.convention,
         "standing": found.standing,
-        **_entry("value", found.value, unit),
+        **entry("value", found.value, objective_unit(robot, found)),
         "evaluations": found.evaluations,
         "parameters": {
             p.name: {
-                **_entry("value", found.params[i], p.display_unit),
-                **_entry("delta", found.delta[i], p.display_unit),
-                **_entry("acceptable", found.acceptable[i], p.display_unit),
-                "kept": kept[i],
+                **entry("value", found.params[i], p.display_unit),
+                **entry("delta", found.delta[i], p.display_unit),
+                **entry("acceptable", found.acceptable[i], p.display_unit),
+                "kept": p.name in kept,
             }
             for i, p in enumerate(robot.parameters)
         },
@@ -222,42 +195,45 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> d
     }
 
 
-def optimum_lines(
-    robot: "Recipe", found: "Optimum", kept: Sequence[bool], traced: bool
-) -> Iterator[str]:
+def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    unit = _unit(robot, found)
+    length, parameters = unit_text(report["length_unit"]), report["parameters"]
+    verdict = f"stands, {report['objective']} {text(report, length)}"
+    if not report["standing"]:
+        verdict = f"{VERDICTS['tips']} in every geometry tried, least in this one"
+    evaluations = f"{report['evaluations']} evaluations"
+    yield f"{report['robot']}, {report['method']}: {verdict}, {evaluations}"
+    rows = []
+    for name, part in parameters.items():
+        acceptable = [*values_of(part, "acceptable")[0]]
+        rows.append([f"  {name}", text(part, length)])
+        if part["kept"]:
+            rows[-1].append("kept")
+        elif None not in acceptable:
+            low, high = map(cell, acceptable)
+            rows[-1] += [f"+- {text(part, length, 'delta')}", f"acceptable {low} to {high}"]
+    yield from aligned(rows)
+    last = report["last"]["parameters"]
+    if any(text(last[name], length) != text(parameters[name], length) for name in last):
+        yield f"last node, worse than the best seen: {node(report['last'], length)}"
+    for i, step in enumerate(report.get("trace", ()), 1):
+        yield f"step {i}, {step['evaluations']} evaluations: {node(step, length)}"
 
-    def shape(params: "NDArray[np.float64]") -> list[str]:
-        return [
-            _text(value, p.display_unit) for p, value in zip(robot.parameters, params, strict=True)
-        ]
 
-    def node(step: int) -> str:
-        at = found.trace[step]
-        names = (p.name for p in robot.parameters)
-        where = ", ".join(map(" ".join, zip(names, shape(at.params), strict=True)))
-        value = _text(at.value, unit)
-        return f"{where}: {'tips over' if value == '-' else value}"
+def values_of(part: Mapping[str, Any], key: str) -> tuple[Any, str | None]:
+    """Return what a report has under a key that may name its unit, and that unit."""
+    units = {key: None, f"{key}_deg": " deg", f"{key}_rad": " rad"}
+    return next((part[name], unit) for name, unit in units.items() if name in part)
 
-    verdict = (
-        f"stands, {found.objective} {_text(found.value, unit)}"
-        if found.standing
-        else "tips over in every geometry tried, least in this one"
-    )
-    yield f"{robot.name}, {found.method}: {verdict}, {found.evaluations} evaluations"
-    best = shape(found.params)
-    width = max(len(p.name) for p in robot.parameters)
-    for i, p in enumerate(robot.parameters):
-        low, high = p.shown(found.acceptable[i])
-        more = ""
-        if kept[i]:
-            more = "  kept"
-        elif math.isfinite(low):
-            delta = _text(found.delta[i], p.display_unit)
-            more = f"  +- {delta}  acceptable {low:.6g} to {high:.6g}"
-        yield f"  {p.name:<{width}}  {best[i]}{more}"
-    if shape(found.trace[-1].params) != best:
-        yield f"last node, worse than the best seen: {node(-1)}"
-    for i, step in enumerate(found.trace if traced else ()):
-        yield f"step {i + 1}, {step.evaluations} evaluations: {node(i)}"
+
+def text(part: Mapping[str, Any], length: str, key: str = "value") -> str:
+    """Return a value of a report with its unit."""
+    value, unit = values_of(part, key)
+    return cell(value, unit=length if unit is None else unit)
+
+
+def node(step: Mapping[str, Any], length: str) -> str:
+    """Return where a step of the method ends, and its value."""
+    where = ", ".join(f"{name} {text(part, length)}" for name, part in step["parameters"].items())
+    value = text(step, length)
+    return f"{where}: {VERDICTS['tips'] if value == '-' else value}"

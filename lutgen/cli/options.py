@@ -1,62 +1,93 @@
-"""Options that several commands share, and how their texts become numbers."""
+"""What commands are given: options as a dataclass, texts as numbers, and a source to work on."""
 
 import functools
+import inspect
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.types import FloatParamType, IntParamType
 
 from lutgen.errors import InputError
-from lutgen.parts import to_internal
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lutgen.mapping import StabilityMap
     from lutgen.recipe import Recipe
 
 log = logging.getLogger("lutgen")
 
-
 # What the largest number of a recipe is, too.
 LARGEST = 1e12
+# The end of a file name that means a map; a file of another name says so by its first bytes.
+MAPS = (".h5", ".hdf5", ".nc")
+# The metavar, article and example of each kind of several numbers.
+DIRECTION = ("X,Y,Z", "direction", "three numbers such as 0,0,-1")
+VALUE = ("NAME=VALUE", "assignment", "for example alpha=30")
+RANGE = ("NAME=LOW:HIGH", "range", "for example alpha=20:40")
 
 
-def finite_numbers(value: object) -> tuple[float, ...]:
+def finite_numbers(value: object, separator: str = ",") -> tuple[float, ...]:
     """Return the numbers of a text such as 0,0,-1; none where one is no number or beyond 1e12."""
     text = str(value)
     try:
         # Python reads the digits of every script.
-        numbers = tuple(float(part) for part in text.split(",")) if text.isascii() else ()
+        numbers = tuple(map(float, text.split(separator))) if text.isascii() else ()
     except ValueError:
         return ()
     return numbers if all(abs(number) <= LARGEST for number in numbers) else ()
 
 
-class _Plain(click.ParamType):  # type: ignore[type-arg]
-    """A number in plain digits and of a size that commands can compute with."""
+class Number(click.ParamType):  # type: ignore[type-arg]
+    """A number in plain digits, of a kind and between limits that commands can compute with."""
+
+    def __init__(self, kind: type, low: float = -LARGEST, high: float = LARGEST) -> None:
+        self.kind, self.low, self.high = kind, low, high
+        self.name = "integer" if kind is int else "float"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number."""
-        number = super().convert(value, param, ctx)
-        if isinstance(value, str) and not finite_numbers(value):
-            self.fail(f"{value!r} is no number of plain digits up to 1e12", param, ctx)
-        return number
+        numbers = finite_numbers(value)
+        if len(numbers) != 1 or self.kind(numbers[0]) != numbers[0]:
+            kind = "whole number" if self.kind is int else "number"
+            self.fail(f"{value!r} is no {kind} of plain digits up to 1e12", param, ctx)
+        if not self.low <= numbers[0] <= self.high:
+            limits = " and ".join(
+                f"{words} {end:,.0f}"
+                for words, end in (("at least", self.low), ("at most", self.high))
+                if abs(end) < LARGEST
+            )
+            self.fail(f"{value} is not in the range: {limits}", param, ctx)
+        return self.kind(numbers[0])
 
 
-class _Real(_Plain, FloatParamType):
-    pass
+class Numbers(click.ParamType):  # type: ignore[type-arg]
+    """Numbers such as ``X,Y,Z``, ``NAME=VALUE`` or ``NAME=LOW:HIGH``, as many as `name` has.
 
+    `what` they are and an `example` are for the message; `nonzero` refuses all zeros.
+    """
 
-class _Whole(_Plain, IntParamType):
-    pass
+    def __init__(self, name: str, what: str, example: str, nonzero: bool = False) -> None:
+        self.name, self.what, self.example, self.nonzero = name, what, example, nonzero
 
-
-class WholeRange(_Plain, click.IntRange):
-    """A whole number within limits."""
-
-
-KINDS: dict[Any, Any] = {float: _Real(), int: _Whole()}
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Any, ...]:
+        """Return the numbers, after the name where there is one."""
+        if isinstance(value, tuple):
+            return value
+        named, separator = "=" in self.name, ":" if ":" in self.name else ","
+        name, _, text = str(value).partition("=") if named else ("", "", value)
+        numbers = finite_numbers(text, separator)
+        right = len(numbers) == self.name.count(separator) + 1 and bool(name.strip()) is named
+        if not right or (self.nonzero and not any(numbers)):
+            way_out = f"write {self.example}, of numbers up to 1e12"
+            self.fail(f"{value!r} is no {self.what}; {way_out}", param, ctx)
+        return (name.strip(), *numbers) if named else numbers
 
 
 class Named(click.Path):
@@ -69,102 +100,64 @@ class Named(click.Path):
         return super().convert(value, param, ctx)
 
 
-class Numbers(click.ParamType):  # type: ignore[type-arg]
-    """Numbers separated by commas, as many as `name` has parts, such as ``X,Y,Z``.
-
-    `what` they are and an `example` of them are for the message; `nonzero` refuses all zeros.
-    """
-
-    def __init__(self, name: str, what: str, example: str, nonzero: bool = False) -> None:
-        self.name = name
-        self.what, self.example, self.nonzero = what, example, nonzero
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        """Return the numbers."""
-        if isinstance(value, tuple):
-            return value
-        numbers = finite_numbers(value)
-        if len(numbers) != self.name.count(",") + 1 or (self.nonzero and not any(numbers)):
-            way_out = f"write {self.example}, of numbers up to 1e12"
-            self.fail(f"{value!r} is no {self.what}; {way_out}", param, ctx)
-        return numbers
-
-
-class Assignment(click.ParamType):  # type: ignore[type-arg]
-    """A geometry parameter and one number for it, name=number, or as many between colons.
-
-    `name`, `what` and the `example` are for the help and the message.
-    """
-
-    def __init__(
-        self, name: str = "NAME=VALUE", what: str = "assignment", example: str = "alpha=30"
-    ) -> None:
-        self.name, self.what, self.example = name, what, example
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[Any, ...]:
-        """Return (name, value), or (name, low, high)."""
-        if isinstance(value, tuple):
-            return value
-        name, equals, rest = str(value).partition("=")
-        numbers = finite_numbers(rest.replace(":", ",")) if "," not in rest else ()
-        if not (name and equals and len(numbers) == self.name.count(":") + 1):
-            way_out = f"write for example {self.example}, of numbers up to 1e12"
-            self.fail(f"{value!r} is no {self.what}; {way_out}", param, ctx)
-        return (name.strip(), *numbers)
+KINDS: dict[Any, Any] = {float: Number(float), int: Number(int)}
 
 
 def option(*flags: str, **settings: Any) -> Any:
-    """Return a field of a dataclass that `asks` turns into an option of the command line.
+    """Return a field of a dataclass that `command` turns into an option of the command line.
 
     It is called like the field where no long flag is given.  `settings` are those of
-    `click.option`; the help shows each default that is given.
+    `click.Option`; the help shows each default that is given.
     """
     settings.setdefault("show_default", "default" in settings)
     kind = settings.get("type", type(settings.get("default")))
-    if kind in KINDS:
-        settings["type"] = KINDS[kind]
+    settings["type"] = KINDS.get(kind, settings.get("type"))
     return field(metadata={"option": (flags, settings)})
 
 
-def asks(kind: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of a dataclass, and one value of it as `asked`.
+def command(
+    source: str | click.Argument | None, options: type, short_help: str
+) -> Callable[[Callable[..., None]], click.Command]:
+    """Return a decorator that makes a command of a function of a source and of options.
 
-    They come in the order of the fields, those that the dataclass inherits last.
+    Its help begins with the example, which ends its docstring.  The options come in the order of
+    the fields of the dataclass, those that it inherits last.
     """
+    argument = click.Argument([source], type=Named()) if isinstance(source, str) else source
 
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
-        @functools.wraps(command)
-        def run(*args: Any, **given: Any) -> None:
-            asked = kind(**{part.name: given.pop(part.name) for part in parts})
-            command(*args, **given, asked=asked)
+    def decorate(run: Callable[..., None]) -> click.Command:
+        def callback(**given: Any) -> None:
+            first = [] if argument is None else [given.pop(str(argument.name))]
+            run(*first, options(**given))
 
-        parts = sorted(fields(kind), key=lambda part: part.name not in kind.__annotations__)
-        for part in reversed(parts):
+        parameters: list[click.Parameter] = [] if argument is None else [argument]
+        own = options.__annotations__
+        for part in sorted(fields(options), key=lambda part: part.name not in own):
             flags, settings = part.metadata["option"]
             if not any(flag.startswith("--") for flag in flags):
                 flags = (*flags, f"--{part.name.replace('_', '-')}")
-            run = click.option(part.name, *flags, **settings)(run)
-        return run
+            parameters.append(click.Option([part.name, *flags], **settings))
+        text, _, example = inspect.cleandoc(run.__doc__ or "").rpartition("\n\n\b\n")
+        return click.Command(
+            run.__name__.rstrip("_"),
+            callback=callback,
+            params=parameters,
+            help=f"\b\n{example}\n\n{text}",
+            short_help=short_help,
+        )
 
     return decorate
 
 
 Assignments = tuple[tuple[str, float], ...]
-allow_python = functools.partial(
-    option, is_flag=True, help="Run the code that the recipe names (`python = ...`)."
-)
+as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 force = functools.partial(
     option, is_flag=True, help="Replace what is there also where lutgen did not make it."
 )
-as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 gravity = functools.partial(
     option,
     "-g",
-    type=Numbers("X,Y,Z", "direction", "three numbers such as 0,0,-1", nonzero=True),
+    type=Numbers(*DIRECTION, nonzero=True),
     default="0,0,-1",
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
@@ -172,21 +165,17 @@ parameters = functools.partial(
     option,
     "-p",
     "--parameter",
-    type=Assignment(),
+    type=Numbers(*VALUE),
     multiple=True,
     help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
 )
-METHODS = ("map", "nelder-mead", "search", "multistart")
-method = functools.partial(option, type=click.Choice(METHODS), default="search")
+values = functools.partial(option, type=Numbers(*VALUE), multiple=True)
+method = functools.partial(
+    option,
+    type=click.Choice(("map", "nelder-mead", "search", "multistart")),
+    default="search",
+)
 output = functools.partial(option, "-o", type=Named())
-size = functools.partial(
-    option, metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
-)
-# Those of `lutgen.plot`, which takes a second to import.
-STYLES = ("journal", "slides", "dark")
-style = functools.partial(
-    option, type=click.Choice(STYLES), default="journal", help="How the figure looks."
-)
 tilt = functools.partial(
     option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
 )
@@ -204,98 +193,127 @@ def convention(
 
 @dataclass(frozen=True)
 class RecipeOptions:
-    """What all commands are asked that report on a recipe."""
+    """Options of every command that reports on a recipe."""
 
-    allow_python: bool = allow_python()
+    allow_python: bool = option(
+        is_flag=True, help="Run the code that the recipe names (`python = ...`)."
+    )
     as_json: bool = as_json()
 
 
-def internal_values(source: str, units: Mapping[str, str], assignments: Assignments) -> list[float]:
-    """Return the values (rad, length) of parameters with these display units, in their order."""
-    given = _named(source, list(units), assignments)
-    missing = [name for name in units if name not in given]
-    if missing:
-        raise InputError(
-            f"{source}: parameter {missing[0]} has no value; give each of "
-            f"{', '.join(f'-p {name}=…' for name in units)}"
-        )
-    return [to_internal(given[name], unit) for name, unit in units.items()]
+@dataclass(frozen=True)
+class FigureOptions:
+    """Options of every command that draws."""
+
+    size: str | None = option(
+        metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
+    )
+    # Those of `lutgen.plot`, which takes a second to import.
+    style: str = option(
+        type=click.Choice(("journal", "slides", "dark")),
+        default="journal",
+        help="How the figure looks.",
+    )
+    force: bool = force()
 
 
-def named_values(recipe: "Recipe", assignments: Assignments) -> dict[str, float]:
-    """Return the assigned values by name, in display units; refuse unknown and repeated names."""
-    return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
+def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
+    """Open a recipe or a map, whichever `path` names."""
+    if _is_map(path):
+        from lutgen.mapping import load_map
+
+        return load_map(path)
+    from lutgen.recipe import load_recipe
+
+    return load_recipe(path, allow_python=allow_python)
 
 
-def posture_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
-    """Return the internal values of all parameters: `home` or the middle where none is given.
+def open_recipe(path: str, allow_python: bool = False) -> "Recipe":
+    """Open a recipe, also the one inside a map; its code is looked for beside the map."""
+    from lutgen.recipe import Recipe, parse_recipe
 
-    A value beyond its limits raises InputError.
-    """
-    given = named_values(recipe, assignments)
-    values = [
-        p.stored(given[p.name]) if p.name in given else value
-        for p, value in zip(recipe.parameters, recipe.home_params, strict=True)
-    ]
-    for p, value in zip(recipe.parameters, values, strict=True):
-        if not p.has(value):
-            low, high = p.shown(p.minimum), p.shown(p.maximum)
+    opened = open_source(path, allow_python)
+    if isinstance(opened, Recipe):
+        return opened
+    recipe = opened.recipe
+    if recipe.python is None:
+        return recipe
+    # A map leaves the code alone, and so has a robot without contacts.
+    return parse_recipe(recipe.text, recipe.source, allow_python, urdf=recipe.urdf)
+
+
+def _is_map(path: str) -> bool:
+    from lutgen.recipe import HDF5
+
+    if path.endswith(MAPS):
+        return True
+    try:
+        with Path(path).open("rb") as file:
+            return file.read(len(HDF5)) == HDF5
+    except OSError:
+        # What opens it says why it cannot be opened.
+        return False
+
+
+def named_values(
+    recipe: "Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
+) -> dict[str, Any]:
+    """Return what an option gives parameters by name, a number each or (low, high), as written."""
+    known = [p.name for p in recipe.parameters]
+    found: dict[str, Any] = {}
+    for name, *numbers in given:
+        got = f"{flag} {name}={':'.join(f'{number:g}' for number in numbers)}"
+        if name not in known:
             raise InputError(
-                f"{recipe.source}: parameter {p.name} must lie in {low:g} to {high:g} "
-                f"{p.display_unit} (got -p {p.name}={p.shown(value):g}); the recipe has its limits."
+                f"{recipe.source}: there is no parameter {name!r} (got {got}); it has "
+                f"{', '.join(known) or 'none'}"
             )
-    return values
+        if name in found:
+            raise InputError(f"parameter {name} is given twice (got {got} as well); leave one out")
+        found[name] = numbers[0] if len(numbers) == 1 else tuple(numbers)
+    return found
 
 
-def posture_source(recipe: "Recipe", assignments: Assignments) -> str:
+def stored_values(
+    recipe: "Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
+) -> dict[str, Any]:
+    """Return the same in rad or the recipe's length."""
+    found = named_values(recipe, given, flag)
+    return {
+        p.name: tuple(map(p.stored, found[p.name]))
+        if isinstance(found[p.name], tuple)
+        else p.stored(found[p.name])
+        for p in recipe.parameters
+        if p.name in found
+    }
+
+
+def all_values(recipe: "Recipe", given: Assignments) -> "NDArray[np.float64]":
+    """Return all parameters (rad, length): those not given at `home`, or in mid range."""
+    import numpy as np
+
+    found = dict(zip((p.name for p in recipe.parameters), recipe.home_params, strict=True))
+    return np.array([*(found | stored_values(recipe, given)).values()], np.float64)
+
+
+def posture_values(recipe: "Recipe", given: Assignments) -> "NDArray[np.float64]":
+    """Return the same, within the limits; InputError is raised for a value beyond them."""
+    from lutgen.recipe import within_limits
+
+    params = all_values(recipe, given)
+    within_limits(recipe, [params])
+    return params
+
+
+def posture_source(recipe: "Recipe", given: Assignments) -> str:
     """Return where the posture comes from that `posture_values` gives; "" if all of it is given."""
-    given = {name for name, _ in assignments}
-    rest = [p.name for p in recipe.parameters if p.name not in given]
+    names = [p.name for p in recipe.parameters]
+    rest = [name for name in names if name not in dict(given)]
     home = [name for name in rest if name in recipe.home]
     middle = [name for name in rest if name not in recipe.home]
-    if not home or not middle:
-        alone = "home" if home else "middle of the range" if middle else ""
-        return (
-            alone
-            if len(rest) == len(recipe.parameters)
-            else alone and f"{alone}: {', '.join(rest)}"
-        )
-    return f"home: {', '.join(home)}; middle of the range: {', '.join(middle)}"
-
-
-def _named(source: str, known: Sequence[str], assignments: Assignments) -> dict[str, float]:
-    given: dict[str, float] = {}
-    for name, value in assignments:
-        require_known(source, known, name, f"-p {name}={value:g}")
-        if name in given:
-            raise InputError(f"parameter {name} is given twice (got {given[name]:g} and {value:g})")
-        given[name] = value
-    return given
-
-
-def require_known(source: str, known: Sequence[str], name: str, got: str) -> None:
-    """Refuse the name of a parameter that a robot does not have; `got` is the option with it."""
-    if name not in known:
-        raise InputError(
-            f"{source}: there is no parameter {name!r} (got {got}); it has "
-            f"{', '.join(known) or 'none'}"
-        )
-
-
-def check_outputs(force: bool, *paths: str | None) -> None:
-    """Refuse, before the work, to write figures and films where lutgen made nothing."""
-    from lutgen.files import check_target
-
-    for path in paths:
-        if path is not None:
-            check_target(path, force)
-
-
-def file_size(count: float) -> str:
-    """Return a number of bytes as people read it."""
-    unit = "B"
-    for larger in ("KiB", "MiB", "GiB"):
-        if count < 1024.0:
-            break
-        count, unit = count / 1024.0, larger
-    return f"{count:.0f} B" if unit == "B" else f"{count:.1f} {unit}"
+    found = {
+        words: part for words, part in (("home", home), ("middle of the range", middle)) if part
+    }
+    if len(found) == 1 and rest == names:
+        return next(iter(found))
+    return "; ".join(f"{words}: {', '.join(part)}" for words, part in found.items())

@@ -6,37 +6,33 @@ from pathlib import Path
 import click
 
 from lutgen.cli.options import (
+    FigureOptions,
     Named,
     RecipeOptions,
-    asks,
-    check_outputs,
+    command,
     convention,
-    force,
     gravity,
     log,
     named_values,
+    open_source,
     option,
     parameters,
     posture_source,
-    size,
-    style,
     tilt,
 )
-from lutgen.cli.sources import open_source
-from lutgen.cli.table import show
+from lutgen.cli.output import check_outputs, show, silent
 
 # Those of `lutgen.plot`, which takes a second to import.
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
+class Asked(RecipeOptions, FigureOptions):
     """What the command line says."""
 
     output: str = option(
         "-o", "--output", required=True, type=Named(), help="PNG, SVG or PDF file."
     )
-    force: bool = force()
     kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
     assignments: tuple[tuple[str, float], ...] = parameters()
     gravity: tuple[float, float, float] = gravity()
@@ -53,13 +49,9 @@ class Asked(RecipeOptions):
         type=float,
         help="What the colours span at least, in the unit shown, so that figures compare.",
     )
-    size: str | None = size()
-    style: str = style()
 
 
-@click.command(short_help="Draw a figure (PNG, SVG or PDF).")
-@click.argument("source", type=Named())
-@asks(Asked)
+@command("source", Asked, "Draw a figure (PNG, SVG or PDF).")
 def plot(source: str, asked: Asked) -> None:
     """Draw a figure of SOURCE, a map or a recipe.
 
@@ -108,5 +100,4 @@ def plot(source: str, asked: Asked) -> None:
         "figure": asked.output,
         "bytes": Path(asked.output).stat().st_size,
     }
-    # In words the figure is all that it has to say.
-    show(report, (), asked.as_json)
+    show(report, silent, asked.as_json)

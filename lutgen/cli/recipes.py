@@ -1,35 +1,65 @@
-"""`lutgen recipes`: the gallery's recipes, which come with the package."""
+"""`lutgen recipes`, `new`, `schema` and `check`: recipes to take, to start from and to validate."""
 
+import json
+import math
 import re
 import textwrap
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, asks
-from lutgen.cli.table import aligned, show
+from lutgen.cli.options import RecipeOptions, as_json, command, log, open_recipe, option, output
+from lutgen.cli.output import aligned, by_unit, file_size, posture_text, show, unit_text
+from lutgen.errors import InputError
+from lutgen.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    from lutgen.grid import Axis
+    from lutgen.parts import Parameter
+    from lutgen.recipe import Recipe
+
+# Links that a warning lists.
+SHOWN = 6
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What the command line says."""
+class RecipesOptions:
+    """Options of `lutgen recipes`."""
 
     as_json: bool = as_json()
 
 
-def _completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+@dataclass(frozen=True)
+class NewOptions:
+    """Options of `lutgen new`."""
+
+    output: str | None = output(help="Recipe to write (.toml).")
+    list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
+    force: bool = option(is_flag=True, help="Write over a file that is there.")
+    as_json: bool = as_json()
+
+
+@dataclass(frozen=True)
+class SchemaOptions:
+    """Options of `lutgen schema`: none."""
+
+
+def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
     """Return the names that begin so, for the completion of a shell."""
     from lutgen.recipe import gallery_names
 
     return [name for name in gallery_names() if name.startswith(incomplete)]
 
 
-@click.command(short_help="List the gallery's recipes, or print one of them.")
-@click.argument("name", required=False, shell_complete=_completed)
-@asks(Asked)
-def recipes(name: str | None, asked: Asked) -> None:
+NAME = click.Argument(["name"], required=False, shell_complete=completed)
+KIND = click.Argument(["kind"], required=False)
+
+
+@command(NAME, RecipesOptions, "List the gallery's recipes, or print one of them.")
+def recipes(name: str | None, options: RecipesOptions) -> None:
     """List the recipes that come with lutgen, or print the text of the one called NAME.
 
     Every command takes recipe:NAME where it takes a recipe's file.
@@ -42,35 +72,31 @@ def recipes(name: str | None, asked: Asked) -> None:
 
     if name is not None:
         text = gallery_text(name)
-        show({**_entry(name), "text": text}, text.splitlines(), asked.as_json)
-        return
-    report = {"recipes": [_entry(one) for one in gallery_names()]}
-    show(report, recipes_lines(report), asked.as_json)
+        report = {**recipe_entry(name), "text": text}
+        show(report, lambda report: report["text"].splitlines(), options.as_json)
+    else:
+        show({"recipes": [*map(recipe_entry, gallery_names())]}, recipes_lines, options.as_json)
 
 
-def _entry(name: str) -> dict[str, Any]:
+def recipe_entry(name: str) -> dict[str, Any]:
     """Return what `--json` prints of one recipe."""
     from lutgen.recipe import GALLERY, load_recipe
 
     source = f"{GALLERY}{name.removeprefix(GALLERY)}"
     recipe = load_recipe(source)
+    head = re.match(r"(?:#[^\n]*\n)*", recipe.text)
+    words = " ".join(line.lstrip("# ") for line in (head[0] if head else "").splitlines())
     return {
         "name": recipe.name,
         "source": source,
         "digest": recipe.digest,
         "length_unit": recipe.length_unit,
-        "contacts": list(recipe.contact_names),
+        "contacts": recipe.contact_names,
         "parameters": [p.name for p in recipe.parameters],
         "nodes": recipe.nodes,
-        "description": _first_sentence(recipe.text),
+        # The first sentence of the comment that it begins with.
+        "description": re.split(r"(?<=\.)\s+(?=[A-Z])", words)[0],
     }
-
-
-def _first_sentence(text: str) -> str:
-    """Return the first sentence of the comment that a recipe begins with."""
-    head = re.match(r"(?:#[^\n]*\n)*", text)
-    words = " ".join(line.lstrip("# ") for line in (head[0] if head else "").splitlines())
-    return re.split(r"(?<=\.)\s+(?=[A-Z])", words)[0]
 
 
 def recipes_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -79,11 +105,172 @@ def recipes_lines(report: dict[str, Any]) -> Iterator[str]:
     for entry in report["recipes"]:
         counts = f"{len(entry['contacts'])}", f"{entry['nodes']:,}"
         rows.append([entry["source"], *counts, " ".join(entry["parameters"])])
-    width = max(len(row[0]) for row in rows)
-    lines = aligned(rows, [f"<{width}", ">8", ">12", "<"])
+    lines = aligned(rows, numbers=(1, 2))
     yield lines[0]
     for line, entry in zip(lines[1:], report["recipes"], strict=True):
         yield line
-        yield from textwrap.wrap(
-            entry["description"], 100, initial_indent="  ", subsequent_indent="  "
+        yield from (f"  {line}" for line in textwrap.wrap(entry["description"], 98))
+
+
+@command(KIND, NewOptions, "Write a commented recipe to start from; --list the kinds.")
+def new(kind: str | None, options: NewOptions) -> None:
+    """Write a commented recipe of a robot of this KIND, to be changed into yours.
+
+    It is complete: `lutgen check` and `lutgen limits` take it as it is.
+
+    \b
+    $ lutgen new tracks -o robot.toml
+    $ lutgen new --list
+    """
+    from lutgen.files import write_text
+    from lutgen.recipe import start_recipe, start_recipes
+
+    kinds = start_recipes()
+    if options.list_kinds:
+        show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()), options.as_json)
+        return
+    if kind is None or options.output is None:
+        missing = "a kind" if kind is None else "a file to write"
+        raise InputError(
+            f"lutgen new: needs {missing} (got none); write for example "
+            "`lutgen new wheels -o robot.toml`, or `lutgen new --list`."
         )
+    write_text(options.output, start_recipe(kind), options.force)
+    show(
+        {"kind": kind, "recipe": options.output},
+        lambda report: [f"{report['recipe']}: {kinds[kind]}"],
+        options.as_json,
+    )
+
+
+@command(None, SchemaOptions, "Print the JSON Schema of recipes, for editors.")
+def schema(options: SchemaOptions) -> None:
+    """Print the JSON Schema of recipes (draft 2020-12), by which editors complete and check.
+
+    It refuses unknown keys, wrong types and numbers out of range; `lutgen check` knows more.
+
+    \b
+    $ lutgen schema > recipe.schema.json
+    """
+    from lutgen.recipe import recipe_schema
+
+    click.echo(json.dumps(recipe_schema(), indent=2, allow_nan=False))
+
+
+@command("recipe", RecipeOptions, "Validate a recipe; print robot, nodes, file size and run time.")
+def check(recipe: str, options: RecipeOptions) -> None:
+    """Validate RECIPE and say what its sweep will cost.
+
+    A warning says where it does not stand on its contacts at its `home`, and what looks like a
+    mistake in its description.
+
+    \b
+    $ lutgen check maps/paper_two.toml
+    paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
+    """
+    from lutgen.mapping import require_standing
+
+    robot = open_recipe(recipe, options.allow_python)
+    require_standing(robot)
+    report = check_report(robot)
+    for warning in report["warnings"]:
+        log.warning("%s", warning)
+    show(report, check_lines, options.as_json)
+
+
+def check_report(robot: "Recipe") -> dict[str, Any]:
+    """Return what `--json` prints."""
+    import numpy as np
+
+    from lutgen.cli.options import posture_source
+    from lutgen.mapping import expected_seconds
+    from lutgen.propose import recipe_doubts
+    from lutgen.recipe import postures
+
+    home = np.array(robot.home_params)
+    _, com = postures(robot, home[None])
+    value_bytes = sum(1 if QUANTITIES[name].words else 4 for name in robot.channels)
+    return {
+        "name": robot.name,
+        "digest": robot.digest,
+        "length_unit": robot.length_unit,
+        "contacts": robot.contact_names,
+        "kinds": Counter(contact.kind for contact in robot.contacts),
+        "wheels": [wheel.contact for wheel in robot.wheels],
+        "forces": [force.name for force in robot.forces],
+        "posture": by_unit(robot, home),
+        "posture_from": posture_source(robot, ()),
+        "mass": sum(link.mass for link in robot.links) if robot.python is None else None,
+        "com": np.where(np.abs(com[0]) < 1e-12, 0.0, com[0]),
+        "parameters": {
+            p.name: axis_entry(p, axis)
+            for p, axis in zip(robot.parameters, robot.grid.axes, strict=True)
+        },
+        "chart": {"kind": robot.chart.kind, "shape": robot.chart.shape},
+        "channels": robot.channels,
+        "nodes": robot.nodes,
+        "file_bytes": robot.nodes * value_bytes,
+        "seconds": round(expected_seconds(robot), 3),
+        "snapped": robot.snapped,
+        "warnings": [*recipe_doubts(robot), *(home_warnings(robot) if robot.home else ())],
+    }
+
+
+def home_warnings(robot: "Recipe") -> Iterator[str]:
+    """Return what keeps the robot from standing on its contacts at `home`, as far as known."""
+    from lutgen.analysis import Posture, below_ground, diagnose
+
+    posture = Posture(robot, robot.home_params)
+    found = diagnose(posture, (0.0, 0.0, -1.0))
+    if found.facet is None or not found.standing:
+        yield "at its `home` the robot tips over on level ground"
+    below = {} if found.facet is None else below_ground(posture, found.facet)
+    if below:
+        unit = unit_text(robot.length_unit)
+        parts = [f"{name} {depth:.3g}{unit}" for name, depth in below.items()]
+        more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
+        yield (
+            "at its `home` the robot lies on its body: below the ground on which its contacts "
+            f"stand are {', '.join(parts[:SHOWN])}{more}; give contacts there, or another posture"
+        )
+
+
+def axis_entry(parameter: "Parameter", axis: "Axis") -> dict[str, Any]:
+    """Return the ends of a map's axis in the unit that the recipe gives the parameter."""
+    ends = [float(axis.knots[0]), float(axis.knots[-1])]
+    if parameter.display_unit == "deg":
+        ends = [round(math.degrees(value), 9) for value in ends]
+    unit = parameter.display_unit
+    return {"from": ends[0], "to": ends[1], "unit": unit, "nodes": axis.size}
+
+
+def grid_lines(axes: Mapping[str, dict[str, Any]], chart: dict[str, Any]) -> Iterator[str]:
+    """Return the axes of a map as text."""
+    for name, axis in axes.items():
+        yield f"  {name}: {axis['from']:g} to {axis['to']:g} {axis['unit']}, {axis['nodes']} nodes"
+    faces, side, _ = chart["shape"]
+    yield f"  gravity: {chart['kind']}, {faces} face(s) of {side} x {side} nodes"
+
+
+def check_lines(report: dict[str, Any]) -> Iterable[str]:
+    """Return the report as text."""
+    contacts, channels, nodes = report["contacts"], report["channels"], report["nodes"]
+    yield (
+        f"{report['name']}: {len(contacts)} contacts ({' '.join(contacts)}), "
+        f"{len(report['parameters'])} parameters, unit {report['length_unit']}"
+    )
+    kinds = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in report["kinds"].items()]
+    parts = [f"{name}: {' '.join(report[name])}" for name in ("wheels", "forces") if report[name]]
+    yield "  " + "; ".join([", ".join(kinds), *parts])
+    yield from (f"  {line}" for line in report["snapped"])
+    if report["posture"]:
+        yield f"  posture: {posture_text(report['posture'])} ({report['posture_from']})"
+    mass = f"{report['mass']:.6g}" if report["mass"] else "not given"
+    place = " ".join(f"{part:.6g}" for part in report["com"])
+    yield f"  mass {mass}, com {place}{unit_text(report['length_unit'])}"
+    yield from grid_lines(report["parameters"], report["chart"])
+    yield f"  channels: {' '.join(channels)}"
+    yield (
+        f"sweep: {nodes:,} nodes, {nodes * len(channels):,} values, "
+        f"{file_size(report['file_bytes'])}, about {report['seconds']:.1f} s of computing"
+    )

@@ -1,24 +1,30 @@
-"""`lutgen sweep`: compute a map."""
+"""`lutgen sweep` and `lutgen info`: compute a map, and say what a map file holds."""
 
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Named, RecipeOptions, asks, file_size, force, log, option, output
-from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import show
+from lutgen.cli import options as given
+from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.output import cell, file_size, show, silent
+from lutgen.cli.recipes import axis_entry, grid_lines
+from lutgen.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    from lutgen.mapping import StabilityMap
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
-    """What the command line says."""
+class SweepOptions(RecipeOptions):
+    """Options of `lutgen sweep`."""
 
-    output: str = output(required=True, help="The map file (HDF5).")
-    force: bool = force(
+    output: str = given.output(required=True, help="The map file (HDF5).")
+    force: bool = given.force(
         help="Replace what is there: unfinished work, or a file that lutgen did not make."
     )
     threads: int | None = option(type=int, help="Threads to compute with.  [default: all]")
@@ -29,11 +35,17 @@ class Asked(RecipeOptions):
     )
 
 
-@click.command(short_help="Compute a recipe's stability map.")
-@click.argument("recipe", type=Named())
-@asks(Asked)
-@click.pass_context
-def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
+@dataclass(frozen=True)
+class InfoOptions:
+    """Options of `lutgen info`."""
+
+    verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
+    unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
+    as_json: bool = given.as_json()
+
+
+@command("recipe", SweepOptions, "Compute a recipe's stability map.")
+def sweep(recipe: str, options: SweepOptions) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
@@ -44,8 +56,8 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
     """
     from lutgen.mapping import sweep as run
 
-    robot = open_recipe(recipe, asked.allow_python)
-    quiet = bool(ctx.find_root().params.get("quiet"))
+    robot = open_recipe(recipe, options.allow_python)
+    quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
     bar: Any
@@ -65,33 +77,107 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
         try:
             run(
                 robot,
-                asked.output,
-                threads=asked.threads,
-                resume=asked.resume,
-                engine=asked.engine,
+                options.output,
+                threads=options.threads,
+                resume=options.resume,
+                engine=options.engine,
                 progress=progress,
-                scheduler=asked.scheduler,
-                force=asked.force,
+                scheduler=options.scheduler,
+                force=options.force,
             )
         except KeyboardInterrupt:
-            begun = Path(f"{asked.output}.part").exists()
+            begun = Path(f"{options.output}.part").exists()
             raise click.ClickException(
-                f"interrupted; {asked.output}.part holds what is done: go on with --resume"
+                f"interrupted; {options.output}.part holds what is done: go on with --resume"
                 if begun
                 else "interrupted before the first block; nothing is left behind"
             ) from None
-    seconds, size = time.perf_counter() - start, Path(asked.output).stat().st_size
+    seconds, size = time.perf_counter() - start, Path(options.output).stat().st_size
     if not quiet:
-        click.echo(f"{asked.output}: {file_size(size)} in {seconds:.2f} s", err=True)
+        click.echo(f"{options.output}: {file_size(size)} in {seconds:.2f} s", err=True)
     log.info("recipe digest %s", robot.digest)
     report = {
         "robot": robot.name,
         "digest": robot.digest,
-        "map": asked.output,
+        "map": options.output,
         "nodes": robot.nodes,
-        "channels": list(robot.channels),
+        "channels": robot.channels,
         "bytes": size,
         "seconds": round(seconds, 3),
     }
-    # In words the map is all that it has to say.
-    show(report, (), asked.as_json)
+    show(report, silent, options.as_json)
+
+
+MAP = click.Argument(["map_file"], metavar="MAP.h5", type=given.Named())
+
+
+@command(MAP, InfoOptions, "Print what a map file holds; --verify its checksums.")
+def info(map_file: str, options: InfoOptions) -> None:
+    """Print axes, channels, ranges, the share of directions that tip, and provenance.
+
+    \b
+    $ lutgen info paper_two.h5 --verify
+    """
+    from lutgen.errors import MapFileError
+    from lutgen.mapping import load_map, verify
+
+    stability_map = load_map(map_file, options.unsealed)
+    if options.verify:
+        try:
+            verify(stability_map)
+        except MapFileError as error:
+            raise click.ClickException(str(error)) from error
+    report = info_report(stability_map) | ({"verified": True} if options.verify else {})
+    show(report, info_lines, options.as_json)
+
+
+def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
+    """Return what `--json` prints."""
+    from lutgen.mapping import share_that_tips
+
+    recipe, attributes = stability_map.recipe, stability_map.attributes
+    return {
+        "title": str(attributes["title"]),
+        "format": int(attributes["lutgen_format"]),
+        "definition": int(attributes["lutgen_definition"]),
+        "lutgen_version": str(attributes["lutgen_version"]),
+        "robot": recipe.name,
+        "length_unit": recipe.length_unit,
+        "axes": [
+            {"name": axis.name, **axis_entry(parameter, axis)}
+            for parameter, axis in zip(recipe.parameters, stability_map.axes, strict=True)
+        ],
+        "chart": {"kind": recipe.chart.kind, "shape": recipe.chart.shape},
+        "channels": [channel_entry(stability_map, name) for name in stability_map.channels],
+        "share_that_tips": share_that_tips(stability_map),
+        "recipe_sha256": str(attributes["recipe_sha256"]),
+    }
+
+
+def channel_entry(stability_map: "StabilityMap", name: str) -> dict[str, Any]:
+    """Return the range of a channel; nulls where it has no number at all."""
+    from lutgen.mapping import channel_range
+
+    low, high = channel_range(stability_map, name)
+    one, length = QUANTITIES[name], stability_map.recipe.length_unit
+    if low is None or high is None:
+        return {"name": name, "unit": one.stored_unit(length), "min": low, "max": high}
+    if one.words:
+        return {"name": name, "unit": "", "min": one.word(low), "max": one.word(high)}
+    unit = one.shown_unit(length)
+    return {"name": name, "unit": unit, "min": one.shown(low), "max": one.shown(high)}
+
+
+def info_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return the report as text."""
+    yield f"{report['title']} (format {report['format']}, lutgen {report['lutgen_version']})"
+    yield from grid_lines({axis["name"]: axis for axis in report["axes"]}, report["chart"])
+    for channel in report["channels"]:
+        ends = (channel["min"], channel["max"])
+        low, high = (end if isinstance(end, str) else cell(end) for end in ends)
+        yield f"  {channel['name']}: {low} to {high} {channel['unit']}".rstrip()
+    if report["share_that_tips"] is not None:
+        yield f"  tips over: {100.0 * report['share_that_tips']:.2f} % of directions (by area)"
+    yield f"  recipe sha256: {report['recipe_sha256']}"
+    if "verified" in report:
+        yield "  checksums: all good"

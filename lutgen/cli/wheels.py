@@ -5,22 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from lutgen.cli import options
-from lutgen.cli.options import Named, RecipeOptions, asks, log, option
-from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import (
-    NO,
-    TIPS,
-    aligned,
-    cell,
-    degrees,
-    even,
-    posture_entries,
-    posture_text,
-    show,
-)
+from lutgen.cli import options as given
+from lutgen.cli import output
+from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
@@ -28,23 +15,21 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions):
-    """What the command line says."""
+class Options(RecipeOptions):
+    """Options of `lutgen wheels`."""
 
     velocity: tuple[float, float] = option(
-        type=options.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
+        type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
         help="Of the centre of mass, forward and to the left, in length units per second.",
     )
     yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
-    assignments: tuple[tuple[str, float], ...] = options.parameters()
-    gravity: tuple[float, float, float] = options.gravity()
+    assignments: tuple[tuple[str, float], ...] = given.parameters()
+    gravity: tuple[float, float, float] = given.gravity()
 
 
-@click.command(short_help="Wheel speeds and steering angles of a motion.")
-@click.argument("recipe", type=Named())
-@asks(Asked)
-def wheels(recipe: str, asked: Asked) -> None:
+@command("recipe", Options, "Wheel speeds and steering angles of a motion.")
+def wheels(recipe: str, options: Options) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
 
     -p gives the posture; where it is left out, the recipe's `home`, then the middle of the range.
@@ -57,15 +42,16 @@ def wheels(recipe: str, asked: Asked) -> None:
     """
     from lutgen.analysis import Posture, wheel_speeds
 
-    robot = open_recipe(recipe, asked.allow_python)
-    posture = Posture(robot, options.posture_values(robot, asked.assignments))
-    motion = wheel_speeds(posture, asked.velocity, math.radians(asked.yaw_rate), asked.gravity)
+    robot = open_recipe(recipe, options.allow_python)
+    posture = Posture(robot, given.posture_values(robot, options.assignments))
+    yaw_rate = math.radians(options.yaw_rate)
+    motion = wheel_speeds(posture, options.velocity, yaw_rate, options.gravity)
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
     report = motion_report(robot, motion)
-    report |= posture_entries(posture, options.posture_source(robot, asked.assignments))
-    good, no = motion.standing and motion.possible, NO if motion.standing else TIPS
-    show(report, motion_lines(robot, motion, report), asked.as_json, good, no)
+    report |= output.posture_entries(robot, posture.params, options.assignments)
+    code = output.TIPS if not motion.standing else 0 if motion.possible else output.NO
+    output.show(report, motion_lines, options.as_json, code)
 
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
@@ -82,20 +68,20 @@ def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
             "degree_of_mobility": found.mobility,
             "degree_of_steerability": found.steerability,
         },
-        "velocity": list(motion.velocity),
-        "yaw_rate_deg_s": degrees(motion.yaw_rate),
+        "velocity": motion.velocity,
+        "yaw_rate_deg_s": output.degrees(motion.yaw_rate),
         "possible": motion.possible,
         "slip": motion.slip,
         "nearest": {
-            "velocity": list(motion.nearest_velocity),
-            "yaw_rate_deg_s": degrees(motion.nearest_yaw_rate),
+            "velocity": motion.nearest_velocity,
+            "yaw_rate_deg_s": output.degrees(motion.nearest_yaw_rate),
         },
         "wheels": [
             {
                 "contact": wheel.contact,
                 "touches": wheel.touches,
                 "speed_rad_s": wheel.speed,
-                "steering_deg": degrees(wheel.steering),
+                "steering_deg": output.degrees(wheel.steering),
                 "slip": wheel.slip,
             }
             for wheel in motion.wheels
@@ -103,24 +89,27 @@ def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
     }
 
 
-def motion_lines(recipe: "Recipe", motion: "Motion", report: dict[str, Any]) -> Iterator[str]:
+def motion_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    found = motion.structure
+    found = report["structure"]
     # The paper's lengths are ratios and have no unit.
-    unit = "1/s" if recipe.length_unit == "1" else f"{recipe.length_unit}/s"
+    unit = "1/s" if report["length_unit"] == "1" else f"{report['length_unit']}/s"
     yield (
-        f"{recipe.name}: {found.category} (degree of mobility {found.mobility}, of steerability "
-        f"{found.steerability})"
+        f"{report['robot']}: {'' if report['standing'] else output.VERDICTS['tips'] + ', '}"
+        f"{found['category']} (degree of mobility {found['degree_of_mobility']}, of steerability "
+        f"{found['degree_of_steerability']})"
     )
-    if "posture" in report:
-        yield f"{posture_text(report['posture'])} ({report['posture_from']})"
+    yield from output.posture_lines(report)
     rows = [["wheel", "speed rad/s", "steering deg", f"slip {unit}"]]
-    for wheel in motion.wheels:
-        values = (wheel.speed, degrees(wheel.steering), wheel.slip)
-        cells = [cell(even(value)) for value in values] if wheel.touches else ["lifted"]
-        rows.append([wheel.contact, *cells])
-    yield from aligned(rows, [f"<{max(len(row[0]) for row in rows)}", *(3 * [">12"])])
-    if not motion.possible:
-        x, y, yaw = map(even, (*motion.nearest_velocity, math.degrees(motion.nearest_yaw_rate)))
-        yield f"impossible: the wheels slip sideways by {motion.slip:.6g} {unit} in all"
-        yield f"nearest possible: velocity {x:.9g},{y:.9g} {unit}, yaw rate {yaw:.9g} deg/s"
+    for wheel in report["wheels"]:
+        values = (wheel["speed_rad_s"], wheel["steering_deg"], wheel["slip"])
+        cells = map(output.cell, values) if wheel["touches"] else ["lifted"]
+        rows.append([wheel["contact"], *cells])
+    yield from output.aligned(rows, numbers=(1, 2, 3))
+    if not report["possible"]:
+        nearest = report["nearest"]
+        x, y, yaw = (
+            output.cell(v, ".9g") for v in (*nearest["velocity"], nearest["yaw_rate_deg_s"])
+        )
+        yield f"impossible: the wheels slip sideways by {report['slip']:.6g} {unit} in all"
+        yield f"nearest possible: velocity {x},{y} {unit}, yaw rate {yaw} deg/s"

@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from lutgen._version import __version__
 from lutgen.mapping.blocks import Plan
-from lutgen.mapping.seal import ATTRIBUTE, BLANK, DIGEST, Storage
+from lutgen.mapping.seal import ATTRIBUTE, BLANK, DEFINITION, DIGEST, Storage
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 FORMAT = 2
-# Which definition of what stands the values are by (docs/reference/conventions.md).
-DEFINITION = 3
 COMPLETE = "complete"
 # The digests of blocks are in a group of their own, so that readers of channels do not meet them.
 DIGESTS, ROWS = "seal/blocks", "rows"
@@ -83,7 +81,7 @@ def lay_out(recipe: Recipe, layout: Plan, complete: bool) -> Head:
         places = tuple(channel.id.get_offset() for channel in channels)
         start = digests.id.get_offset()
         held, size = slice(start, start + digests.nbytes), places[-1] + channels[-1].nbytes
-    storage = Storage(recipe, layout, places, DEFINITION, __version__)
+    storage = Storage(recipe, layout, places, __version__)
     return Head(memory.getvalue().ljust(places[0], b"\0"), held, storage, size)
 
 

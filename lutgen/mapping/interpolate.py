@@ -1,38 +1,34 @@
 """Interpolate multilinearly in float64: the reference for every decoder."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+# Lower knot (m,) and place inside the cell (m,) on an axis, as `Axis.locate` gives them; the lower
+# knot may be the last where the place is 0.
 Place = tuple[NDArray[np.intp], NDArray[np.float64]]
 
 
-def cell_corners(
-    places: Sequence[Place],
-) -> list[tuple[tuple[NDArray[np.intp], ...], NDArray[np.float64]]]:
-    """Return the 2^d corners of each query's cell with their weights, (indices, weight (m,)).
+def _corners(
+    values: NDArray[Any], places: Sequence[Place], extra: tuple[NDArray[np.intp], ...]
+) -> Iterator[tuple[NDArray[Any], NDArray[np.float64]]]:
+    """Yield the values (m,) at each of the 2^d corners of the queries' cells, and their weights.
 
-    `places` are per axis the lower knot (m,) and the place inside the cell (m,), as `Axis.locate`
-    gives them; an index may stand on the last knot where frac is 0.  Corners that weigh nothing
-    for every query are left out.  The weights of a query add up to 1, and at a node the node's
-    weight is exactly 1.
+    Corners that weigh nothing for every query are left out.  The weights of a query add up to 1,
+    and at a node the node's weight is exactly 1.
     """
-    corners: list[tuple[tuple[NDArray[np.intp], ...], NDArray[np.float64]]] = []
-    for corner in range(1 << len(places)):
+    for corner in product((False, True), repeat=len(places)):
         index: list[NDArray[np.intp]] = []
-        weight = np.ones(places[0][0].shape) if places else np.ones(1)
-        for axis, (lower, frac) in enumerate(places):
-            if corner >> axis & 1:
-                # Where frac is 0 the upper knot may not exist and does not count.
-                index.append(np.where(frac > 0.0, lower + 1, lower))
-                weight = weight * frac
-            else:
-                index.append(lower)
-                weight = weight * (1.0 - frac)
+        weight = np.ones(len(places[-1][0]))
+        for (lower, frac), upper in zip(places, reversed(corner), strict=True):
+            # Where frac is 0 the upper knot may not exist and does not count.
+            index.append(np.where(frac > 0.0, lower + 1, lower) if upper else lower)
+            weight *= frac if upper else 1.0 - frac
         if (weight > 0.0).any():
-            corners.append((tuple(index), weight))
-    return corners
+            yield values[(*index[:-2], *extra, *index[-2:])], weight
 
 
 def interpolate(
@@ -40,19 +36,16 @@ def interpolate(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Interpolate, leaving NaN nodes out; return results (m,) and shares (m,).
 
-    The axes of `values` are in the order of `places` (see `cell_corners`), whose last two are v and
-    u, with those of `extra` in between, taken as they are: the face of each query (m,).  A result
-    is the mean of the cell's corners that are not NaN, with their weights made to add up to 1, and
-    NaN where no corner with a weight is a number.  A share is that of the weight that was on
-    numbers: 1 away from the tip-over boundary.
+    The axes of `values` are in the order of `places`, whose last two are v and u, with those of
+    `extra` in between, taken as they are: the face of each query (m,).  A result is the mean of
+    the cell's corners that are not NaN, with their weights made to add up to 1, and NaN where no
+    corner with a weight is a number.  A share is that of the weight that was on numbers: 1 away
+    from the tip-over boundary.
     """
-    queries = len(places[-1][0])
-    total = np.zeros(queries)
-    present = np.zeros(queries)
-    for index, weight in cell_corners(places):
-        node = values[(*index[:-2], *extra, *index[-2:])].astype(np.float64)
+    total, present = np.zeros((2, len(places[-1][0])))
+    for node, weight in _corners(values, places, extra):
         usable = ~np.isnan(node) & (weight > 0.0)
-        total += np.where(usable, node * weight, 0.0)
+        total += np.where(usable, node.astype(np.float64) * weight, 0.0)
         present += np.where(usable, weight, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where all corners count the weights add up to 1 but for rounding, which stays out.
@@ -68,7 +61,6 @@ def worst(
     Parameters as for `interpolate`.
     """
     largest = np.zeros(len(places[-1][0]), np.uint8)
-    for index, weight in cell_corners(places):
-        node = values[(*index[:-2], *extra, *index[-2:])]
+    for node, weight in _corners(values, places, extra):
         largest = np.where(weight > 0.0, np.maximum(largest, node), largest)
     return largest

@@ -9,8 +9,8 @@ import numpy as np
 
 from lutgen.errors import LutgenError, MapFileError
 from lutgen.mapping.blocks import Plan
-from lutgen.mapping.head import COMPLETE, DEFINITION, DIGESTS, FORMAT, ROWS
-from lutgen.mapping.seal import Storage, check_seal
+from lutgen.mapping.head import COMPLETE, DIGESTS, FORMAT, ROWS
+from lutgen.mapping.seal import DEFINITION, Storage, check_seal
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
@@ -59,8 +59,7 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
             digests = file[DIGESTS]
             layout = Plan((*recipe.grid.shape, *recipe.chart.shape), int(digests.attrs[ROWS]))
             places = tuple(int(file[channel].id.get_offset()) for channel in recipe.channels)
-            version = str(attributes["lutgen_version"])
-            storage = Storage(recipe, layout, places, DEFINITION, version)
+            storage = Storage(recipe, layout, places, str(attributes["lutgen_version"]))
             return StabilityMap(name, recipe, attributes, storage, digests[...])
     except LutgenError:
         raise

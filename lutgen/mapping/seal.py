@@ -18,6 +18,8 @@ from lutgen.mapping.blocks import Plan
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
+# Which definition of what stands the values are by (docs/reference/conventions.md).
+DEFINITION = 3
 ATTRIBUTE = "digest"
 # Bytes of the digest of a block; one that is not written yet is zeros.
 DIGEST = 32
@@ -42,13 +44,12 @@ class Storage:
     """Where a map file has its values, and what their digests depend on.
 
     `places` are the bytes at which the channels begin, in order; `version` is that of the lutgen
-    that computed the values, by the definition `definition`.
+    that computed the values.
     """
 
     recipe: Recipe
     layout: Plan
     places: tuple[int, ...]
-    definition: int
     version: str
 
     def span(self, index: int, number: int) -> tuple[int, int]:
@@ -59,7 +60,7 @@ class Storage:
 
     def digest(self, values: bytes | memoryview, index: int, number: int) -> bytes:
         """Return the digest (`DIGEST` bytes) of one block of a channel, for this place and map."""
-        facts = (self.recipe.digest, self.definition, self.version, self.layout.rows)
+        facts = (self.recipe.digest, DEFINITION, self.version, self.layout.rows)
         text = "\n".join(map(str, ("lutgen block", *facts, self.recipe.channels[index], number)))
         key = blake3(text.encode()).digest()
         return blake3(values, key=key).digest()

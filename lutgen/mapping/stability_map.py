@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 # Parts of a cell by which a place may be beside a node and be at it, where nothing is interpolated:
 # a direction comes back from its unit vector to 2e-16, and from degrees to a few times that.
 AT = 1e-9
-# Parts of its axis by which a parameter may be outside: degrees and back.
-OUTSIDE = 1e-9
 # Root attributes that are about the bytes of the file, and not about its content.
 OF_THE_FILE = ("digest", "complete")
 
@@ -208,16 +206,10 @@ class StabilityMap:
                 f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
                 f"one column for each of {', '.join(axis.name for axis in self.axes)}"
             )
-        for axis, column in zip(self.axes, points.T, strict=True):
-            low, high = axis.knots[0], axis.knots[-1]
-            slack = OUTSIDE * max(high - low, abs(low), abs(high))
-            wrong = ~((column >= low - slack) & (column <= high + slack))
-            if wrong.any():
-                got, *ends = (_text(value, axis.unit) for value in (column[wrong][0], low, high))
-                raise InputError(
-                    f"parameter `{axis.name}` is outside the axis of the map (got {got}); it must "
-                    f"lie in {' to '.join(ends)}"
-                )
+        for parameter, axis, column in zip(
+            self.recipe.parameters, self.axes, points.T, strict=True
+        ):
+            parameter.require(column, self.recipe.source, axis.knots[0], axis.knots[-1])
         return points
 
     def _interpolated(
@@ -257,11 +249,6 @@ class StabilityMap:
         variables = {name: (dims, self.channel(name), facts[name]) for name in self.channels}
         of_the_map = {k: v for k, v in self.attributes.items() if k not in OF_THE_FILE}
         return xarray.Dataset(variables, coords, of_the_map)
-
-
-def _text(value: float, unit: str) -> str:
-    """Return a value of a parameter for a message; an angle in rad and in deg."""
-    return f"{value:.6g} {unit}" + (f" = {np.degrees(value):.6g} deg" if unit == "rad" else "")
 
 
 def verify(stability_map: StabilityMap) -> None:

@@ -1,20 +1,15 @@
 """Find what touches the ground in a robot description."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from lutgen.errors import RecipeError, suggestion
 from lutgen.parts import Contact
-from lutgen.urdf import (
-    TOUCHING,
-    Place,
-    UrdfRobot,
-    centre_of_mass,
-    downwards,
-    link_contacts,
-)
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.links import Place, centre_of_mass, downwards
+from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
@@ -23,8 +18,8 @@ MAX_CANDIDATES = 200
 NEAR = 0.25
 # Share of the robot's size by which shapes may be wrong.
 SLACK = 0.01
-# Links that a refusal lists.
-SHOWN = 6
+# Links that a refusal lists, and names that any other sentence does.
+SHOWN, LISTED = 6, 12
 
 
 def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
@@ -178,10 +173,14 @@ def closed_shapes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
             reasons.setdefault(note, []).append(name)
     parts = []
     for note, those in reasons.items():
-        shown = ", ".join(those[:SHOWN])
-        shown += f" and {len(those) - SHOWN} more" if len(those) > SHOWN else ""
-        parts.append(f"{shown}: {note}" if note else shown)
+        parts.append(listed(those, SHOWN) + (f": {note}" if note else ""))
     return "; ".join(parts)
+
+
+def listed(names: Collection[str], most: int = LISTED) -> str:
+    """Return names with commas, the first of them if they are many."""
+    first, rest = [*names][:most], [*names][most:]
+    return ", ".join(first) + (f" and {len(rest)} more" if rest else "")
 
 
 def is_above(com: Floats, points: Floats) -> bool:

@@ -15,7 +15,9 @@ from lutgen.propose.effects import effects
 from lutgen.propose.symmetry import Limbs, common_name
 from lutgen.recipe.rules import RESERVED
 from lutgen.recipe.schema import IDENTIFIER
-from lutgen.urdf import TURN, Couple, Motion, UrdfRobot, places, read_motion
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import TURN, Couple, Motion, read_motion
+from lutgen.urdf.links import places
 
 AUTO = "auto"
 # A sign or a factor before a joint, a group or a pattern.

@@ -10,17 +10,10 @@ import numpy as np
 
 from lutgen.parts import Contact
 from lutgen.recipe import Recipe
-from lutgen.urdf import (
-    TURN,
-    Collision,
-    Place,
-    UrdfJoint,
-    UrdfLink,
-    UrdfRobot,
-    parse_urdf,
-    places,
-    read_motion,
-)
+from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.urdf.joints import TURN, read_motion
+from lutgen.urdf.links import Place, places
+from lutgen.urdf.read import parse_urdf
 
 # A shape so many times larger than what the joints span is in another unit.
 UNITS = 100.0
@@ -76,10 +69,10 @@ def _limits(robot: UrdfRobot) -> list[str]:
         for joint in robot.joints
         if joint.kind == "revolute"
     }
-    names = [repr(name) for name, value in most.items() if value > MORE]
     if max(most.values(), default=0.0) <= DEGREES:
         return []
-    return [f"joint {', '.join(names)}: limits are in rad, and more than a turn looks like degrees"]
+    names = ", ".join(repr(name) for name, value in most.items() if value > MORE)
+    return [f"joint {names}: limits are in rad, and more than a turn looks like degrees"]
 
 
 def _turned(part: Collision | UrdfJoint) -> bool:
@@ -103,7 +96,7 @@ def _off(link: UrdfLink, span: float) -> float:
 
 def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
     """Return the joints that no motor holds though contacts hang from them."""
-    above = {joint.child: joint for joint in robot.joints}
+    above = robot.above
     found: dict[str, str] = {}
     for contact in contacts:
         turn, origin = where[contact.link]

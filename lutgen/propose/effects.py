@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from lutgen.parts import Contact
 from lutgen.propose.contacts import placed, robot_size
-from lutgen.urdf import Motion, Place, UrdfRobot, carried, downwards, places
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Motion
+from lutgen.urdf.links import Place, carried, downwards, places
 from lutgen.vector import Floats
 
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round

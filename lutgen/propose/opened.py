@@ -8,22 +8,13 @@ import numpy as np
 
 from lutgen.errors import InputError
 from lutgen.propose.contacts import NEAR, has_support, lowest_of
-from lutgen.urdf import (
-    JOINT_KINDS,
-    TOUCHING,
-    TURN,
-    Collision,
-    Meshes,
-    Place,
-    UrdfJoint,
-    UrdfLink,
-    UrdfRobot,
-    centre_of_mass,
-    downwards,
-    foot_of,
-    link_contacts,
-    wheel_of,
-)
+from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.urdf.feet import foot_of, wheel_of
+from lutgen.urdf.joints import TURN
+from lutgen.urdf.links import Place, centre_of_mass, downwards
+from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.read import JOINT_KINDS
+from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 # Share of the com's height above the ground by which one link of a leg is lower than another: the
@@ -225,5 +216,5 @@ def _cornered(link: UrdfLink) -> UrdfLink:
     for shape in link.collisions:
         corners = link_contacts(replace(link, collisions=(shape,)))
         points = tuple(x for corner in corners for x in corner.position)
-        parts.append(Collision(shape.name, "points", points, note=shape.note))
+        parts.append(Collision("points", points, note=shape.note))
     return replace(link, collisions=tuple(parts))

@@ -1,12 +1,13 @@
 """Propose a recipe from a robot description, and say what the description has besides."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose.contacts import (
     closed_shapes,
+    listed,
     lower_links,
     named_contacts,
     proposed_contacts,
@@ -17,13 +18,13 @@ from lutgen.propose.doubts import doubts
 from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text, unused
-from lutgen.recipe.recipe import Recipe, parse_recipe
+from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
-from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
-from lutgen.urdf.links import require_mass
-
-# Names that a sentence lists.
-LISTED = 12
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Motion, read_motion
+from lutgen.urdf.links import places, require_mass
+from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.shapes import TOUCHING, used_shapes
 
 
 @dataclass(frozen=True)
@@ -119,15 +120,11 @@ def import_urdf(
     left_out = _left_out(robot, motion, found, inner)
     touching = {contact.link for contact in (*found, *inner)}
     round_ = [k.name for k in robot.links if any(s.kind in TOUCHING for s in k.collisions)]
-    for what, found_in in {
-        "spheres and cylinders away from the ground: ": [
-            name for name in round_ if proposes and name not in touching
-        ],
-        "shapes below all contacts, on which it lies in this posture: ": lower_links(
-            robot, [*found, *inner], rest
-        ),
-    }.items():
-        left_out += [what + _listed(found_in)] if found_in else []
+    if proposes and (away := [name for name in round_ if name not in touching]):
+        left_out.append(f"spheres and cylinders away from the ground: {listed(away)}")
+    if lower := lower_links(robot, [*found, *inner], rest):
+        what = "shapes below all contacts, on which it lies in this posture"
+        left_out.append(f"{what}: {listed(lower)}")
     if meshes is not None and (closed := closed_shapes(robot)):
         left_out.append(f"meshes that were not opened: {closed}")
     names = parameter_names(motion)
@@ -152,7 +149,7 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
     for contact in contacts:
         if contact.name in notes:
             links.setdefault(notes[contact.name], {})[contact.link] = None
-    return tuple(f"{_listed(names)}: {note}" for note, names in links.items())
+    return tuple(f"{listed(names)}: {note}" for note, names in links.items())
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
@@ -169,13 +166,6 @@ def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     )
 
 
-def _listed(names: Iterable[str]) -> str:
-    """Return names with commas, the first dozen of them."""
-    all_ = list(names)
-    shown = ", ".join(all_[:LISTED])
-    return shown if len(all_) <= LISTED else f"{shown} and {len(all_) - LISTED} more"
-
-
 def _left_out(
     robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], inner: Sequence[Contact]
 ) -> list[str]:
@@ -184,7 +174,7 @@ def _left_out(
     for name, why in motion.held.items():
         reasons.setdefault(why, []).append(name)
     result = [
-        f"joints {_listed(names)}: held, each {why}"
+        f"joints {listed(names)}: held, each {why}"
         if len(names) > 1
         else f"joint {names[0]}: held, {why}"
         for why, names in reasons.items()
@@ -205,7 +195,7 @@ def _left_out(
         "collision shapes of links that are no contacts: ": [
             link.name for link in shaped if link.name not in touching
         ],
-        f"collision shapes of kind {_listed(kinds)}: of ": [
+        f"collision shapes of kind {listed(kinds)}: of ": [
             n for n, other in unused.items() if other
         ],
         "links without mass, which weigh nothing here: ": [k.name for k in shaped if not k.mass],
@@ -224,4 +214,4 @@ def _left_out(
             f"{count} {what}" for what, count in robot.unknown.items()
         ],
     }
-    return result + [what + _listed(names) for what, names in named.items() if names]
+    return result + [what + listed(names) for what, names in named.items() if names]

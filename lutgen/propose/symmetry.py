@@ -14,7 +14,8 @@ import numpy as np
 
 from lutgen.parts import Contact
 from lutgen.propose.contacts import placed
-from lutgen.urdf import Place, UrdfRobot, carried, downwards
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.links import Place, carried, downwards
 from lutgen.vector import Floats
 
 # Shares of the robot's size: within the first two joints are on one side, within the second one is

@@ -1,15 +1,18 @@
 """Write the recipe of a robot description as TOML."""
 
-import json
 import math
 import re
 import textwrap
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from lutgen.parts import Contact, Link
+from lutgen.recipe.load import toml
 from lutgen.recipe.rules import RESERVED
-from lutgen.urdf import TOUCHING, Couple, Motion, UrdfRobot, link_contacts, links_of
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Couple, Motion
+from lutgen.urdf.links import links_of
+from lutgen.urdf.shapes import TOUCHING, link_contacts
 
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest
 # nodes make more postures than `TOO_MANY`, their ends alone are proposed.
@@ -26,35 +29,32 @@ def recipe_text(
     `contacts` are in the frames of the description's links, each with a name of its own; links
     without mass and contacts, and all that hangs from them, are left out.
     """
-    parameters = parameter_names(motion)
-    names = _link_names(robot)
+    parameters, names = parameter_names(motion), _link_names(robot)
     units = {j.name: "m" if j.kind == "prismatic" else "deg" for j in robot.joints}
-    home = [f"{parameters[j]} = {_shown(motion.rest[j], units[j])!r}" for j in motion.free]
+    home = {parameters[j]: _shown(motion.rest[j], units[j]) for j in motion.free}
     lines = [
-        f"# From the robot description {_quoted(robot.name)}; its root is {_quoted(robot.root)}.",
+        f"# From the robot description {toml(robot.name)}; its root is {toml(robot.root)}.",
         "# Check which contacts touch the ground, and which parameters matter.",
-        *(line for words in warnings for line in _comment(f"Warning: {words}.")),
-        "[robot]",
-        f"name = {_quoted(robot.name)}",
-        'length_unit = "m"',
-        "upright = 80.0",
-        "rock_angle = 30.0",
-        *([f"home = {{ {', '.join(home)} }}"] if home else []),
-        "",
     ]
+    for words in warnings:
+        lines += _comment(f"Warning: {words}.")
+    limits = {"upright": 80.0, "rock_angle": 30.0, "home": home or None}
+    lines += [*_table("[robot]", {"name": robot.name, "length_unit": "m", **limits}), ""]
     couples = {couple.first: couple for couple in motion.couples}
     for joint, ends in motion.free.items():
-        low, high = (_shown(end, units[joint]) for end in ends)
-        lines += _couple_lines(couples[joint], units[joint]) if joint in couples else []
-        lines += ["[[robot.parameter]]", f'name = "{parameters[joint]}"']
-        lines += [f"min = {low!r}", f"max = {high!r}", f'unit = "{units[joint]}"', ""]
+        unit, name = units[joint], parameters[joint]
+        low, high = (_shown(end, unit) for end in ends)
+        if joint in couples:
+            lines += _comment(_drives(couples[joint], unit))
+        values = {"name": name, "min": low, "max": high, "unit": unit}
+        lines += [*_table("[[robot.parameter]]", values), ""]
     held = {j.child: j.name for j in robot.joints if j.name in motion.held}
     carrying = carrying_links(robot, contacts)
     for link in links_of(robot, motion, parameters):
         if link.name in carrying:
-            lines += _link_lines(link, names)
-            if joint := held.get(link.name, ""):
-                lines.append(f"# Held: joint {_quoted(joint)} {motion.held[joint]}.")
+            lines += _table("[[robot.link]]", _link_values(link, names))
+            if name := held.get(link.name, ""):
+                lines.append(f"# Held: joint {toml(name)} {motion.held[name]}.")
             lines.append("")
     notes = guesses(robot, contacts)
     told: set[tuple[str, str]] = set()
@@ -63,34 +63,43 @@ def recipe_text(
         if note is not None and (contact.link, note) not in told:
             told.add((contact.link, note))
             what = "looks" if note.startswith("a visual") else "mesh"
-            lines.append(f"# Guessed from the {what} of {_quoted(contact.link)}: {note}.")
-        lines += ["[[robot.contact]]", f"name = {_quoted(contact.name)}"]
-        lines += [f"link = {_quoted(names[contact.link])}"]
-        lines += [f"position = {_vector(contact.position)}"]
-        lines += [f"radius = {contact.radius!r}"] if contact.radius else []
-        lines += [f"axis = {_vector(contact.axis)}"] if contact.axis else []
-        lines += [""]
-    lines.append("[sweep]")
+            lines.append(f"# Guessed from the {what} of {toml(contact.link)}: {note}.")
+        values = {
+            "name": contact.name,
+            "link": names[contact.link],
+            "position": _vector(contact.position),
+            "radius": contact.radius or None,
+            "axis": _vector(contact.axis) if contact.axis else None,
+        }
+        lines += [*_table("[[robot.contact]]", values), ""]
+    samples = None
     if parameters:
         nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
         # An odd number has a node in the middle.
         nodes -= 1 - nodes % 2
         nodes = nodes if nodes ** len(parameters) <= TOO_MANY else 2
-        samples = ", ".join(f"{name} = {nodes}" for name in parameters.values())
-        lines.append(f"samples = {{ {samples} }}")
-    lines += ["[sweep.gravity]", 'chart = "cone"', "max_tilt = 60.0", "nodes = 33"]
-    return "\n".join([*lines, 'channels = ["sdg", "tip_angle", "height"]', ""])
+        samples = dict.fromkeys(parameters.values(), nodes)
+    lines += _table("[sweep]", {"samples": samples})
+    gravity = {"chart": "cone", "max_tilt": 60.0, "nodes": 33}
+    channels = ["sdg", "tip_angle", "height"]
+    lines += _table("[sweep.gravity]", {**gravity, "channels": channels})
+    return "\n".join([*lines, ""])
 
 
-def _couple_lines(couple: Couple, unit: str) -> list[str]:
-    """Return which joints a parameter drives, as a comment."""
+def _table(head: str, values: Mapping[str, object]) -> list[str]:
+    """Return the lines of a table, without the keys whose value is None."""
+    return [head, *(f"{key} = {toml(one)}" for key, one in values.items() if one is not None)]
+
+
+def _drives(couple: Couple, unit: str) -> str:
+    """Return which joints a parameter drives, and why."""
     drives = []
     for joint, (scale, offset) in couple.joints.items():
         shown = _shown(offset, unit)
         words = [f"times {scale:g}"] if scale != 1.0 else []
         words += [f"{shown:+.6g} {unit}"] if shown else []
-        drives.append(_quoted(joint) + (f" ({', '.join(words)})" if words else ""))
-    return _comment(f"Drives {', '.join(drives)}: {couple.why}.")
+        drives.append(toml(joint) + (f" ({', '.join(words)})" if words else ""))
+    return f"Drives {', '.join(drives)}: {couple.why}."
 
 
 def _comment(text: str) -> list[str]:
@@ -101,12 +110,12 @@ def _comment(text: str) -> list[str]:
 
 def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:
     """Return the links with mass or contacts and those that they hang from."""
-    parents = {joint.child: joint.parent for joint in robot.joints}
+    above = robot.above
     result = {robot.root}
     for name in {link.name for link in robot.links if link.mass > 0.0} | {c.link for c in contacts}:
         while name not in result:
             result.add(name)
-            name = parents[name]
+            name = above[name].parent
     return result
 
 
@@ -153,24 +162,22 @@ def unused(base: str, used: Collection[str]) -> str:
     return name
 
 
-def _link_lines(link: Link, names: Mapping[str, str]) -> Iterator[str]:
-    """Yield a link and how it is attached."""
-    yield "[[robot.link]]"
-    yield f"name = {_quoted(names[link.name])}"
+def _link_values(link: Link, names: Mapping[str, str]) -> dict[str, object]:
+    """Return the keys of a link."""
+    values: dict[str, object] = {"name": names[link.name]}
     if link.mass > 0.0:
-        yield f"mass = {link.mass!r}"
-        yield f"com = {_vector(link.com)}"
+        values |= {"mass": link.mass, "com": _vector(link.com)}
     if link.parent is not None:
-        yield f"parent = {_quoted(names[link.parent])}"
-        yield f"origin = {_vector(link.origin)}"
-        yield f"rpy = {[_shown(angle, 'deg') for angle in link.rpy]}"
+        rpy = [_shown(angle, "deg") for angle in link.rpy]
+        values |= {"parent": names[link.parent], "origin": _vector(link.origin), "rpy": rpy}
     if (joint := link.joint) is not None:
-        unit = "m" if joint.kind == "prismatic" else "deg"
-        moving = f'type = "{joint.kind}", axis = {_vector(joint.axis)}'
-        moving += f', parameter = "{joint.parameter}"'
+        moves: dict[str, object] = {"type": joint.kind, "axis": _vector(joint.axis)}
+        moves["parameter"] = joint.parameter
         if joint.scale != 1.0 or joint.offset:
-            moving += f", scale = {joint.scale!r}, offset = {_shown(joint.offset, unit)!r}"
-        yield f"joint = {{ {moving} }}"
+            unit = "m" if joint.kind == "prismatic" else "deg"
+            moves |= {"scale": joint.scale, "offset": _shown(joint.offset, unit)}
+        values["joint"] = moves
+    return values
 
 
 def _shown(value: float, unit: str) -> float:
@@ -181,8 +188,3 @@ def _shown(value: float, unit: str) -> float:
 def _vector(values: Sequence[float]) -> list[float]:
     """Return lengths or a direction without the last digits' noise."""
     return [_shown(value, "m") for value in values]
-
-
-def _quoted(text: str) -> str:
-    """Return a TOML string."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,10 +1,10 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `schema`, `load`, `robot`, `rules`, `robot_rules`, `described`, `code`, `gallery`,
-`recipe`, `kinematics`, `size`, `snap`, `merge`, `body`.
+In reading order: `schema`, `load`, `robot`, `rules`, `robot_rules`, `model`, `described`, `code`,
+`gallery`, `kinematics`, `size`, `snap`, `recipe`, `merge`.
 """
 
-from lutgen.recipe.body import body_parts
+from lutgen.recipe.described import body_parts
 from lutgen.recipe.gallery import (
     GALLERY,
     gallery_names,
@@ -15,7 +15,8 @@ from lutgen.recipe.gallery import (
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds, within_limits
 from lutgen.recipe.load import HDF5, read_tables, read_text
 from lutgen.recipe.merge import merged_recipe
-from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
+from lutgen.recipe.model import Recipe, recipe_digest
+from lutgen.recipe.recipe import load_recipe, parse_recipe
 from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
 

@@ -6,22 +6,18 @@ A recipe may name a file beside it, and joints of it as parameters.
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
+from lutgen import bounds
 from lutgen.errors import suggestion
 from lutgen.parts import Contact, Link, Parameter, to_internal
 from lutgen.recipe import schema
-from lutgen.recipe.load import Fault, fail, refuse
+from lutgen.recipe.load import Fault, fail, refuse, utf8
+from lutgen.recipe.model import Recipe
 from lutgen.recipe.schema import Robot
-from lutgen.urdf import (
-    MAX_BYTES,
-    TURN,
-    Couple,
-    Motion,
-    UrdfRobot,
-    link_contacts,
-    links_of,
-    parse_urdf,
-    read_motion,
-)
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import TURN, Couple, Motion, read_motion
+from lutgen.urdf.links import links_of
+from lutgen.urdf.read import parse_urdf
+from lutgen.urdf.shapes import link_contacts
 
 # rad or m: descriptions round their limits, and so do recipes in deg.
 SAME = 1e-6
@@ -40,15 +36,9 @@ def read_description(source: str, name: str) -> str:
             fail(source, key, "leads out of the recipe's folder", name, way_out)
         if not target.is_file():
             fail(source, key, "names no file", name, way_out)
-        with target.open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-        return raw.decode("utf-8-sig")
     except (OSError, RuntimeError) as error:
         fail(source, key, f"cannot be read: {error}", name, way_out)
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        what = f"names a file whose line {line} is not UTF-8"
-        fail(source, key, what, name, "save it as UTF-8")
+    return utf8(bounds.read(str(target), bounds.URDF_BYTES), f"{source}: {name}")
 
 
 def links_and_shapes(
@@ -143,3 +133,21 @@ def _shape_faults(
             )
         if contact.rolling and any(one.radius == 0.0 for one in found):
             yield Fault(f"{key}.rolling", "needs a round shape", True, "a box slides: remove it")
+
+
+def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
+    """Return what is known of the body above the contacts, named after its links.
+
+    The centre of mass of every link that has a mass, as a point: it lies inside of what the link
+    is.  With a description also the spheres, cylinders and boxes of links that carry no contact,
+    but no meshes.  In the links' frames, the recipe's length unit; none of a robot given by code.
+    """
+    if recipe.python is not None:
+        return ()
+    touching = {contact.link for contact in recipe.contacts}
+    parts = [Contact(link.name, link.name, link.com) for link in recipe.links if link.mass > 0.0]
+    if recipe.urdf is not None:
+        for link in parse_urdf(recipe.urdf, recipe.source).links:
+            if link.name not in touching:
+                parts += link_contacts(link)
+    return tuple(parts)

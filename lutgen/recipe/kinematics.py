@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.parts import KINDS, Contact, Force, parents_first
-from lutgen.recipe.recipe import Recipe
+from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
 
@@ -138,16 +138,8 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
 def within_limits(recipe: Recipe, params: ArrayLike) -> Floats:
     """Return params as `forward` takes them; InputError is raised for one beyond its limits."""
     values = _checked(recipe, params)
-    for column, parameter in enumerate(recipe.parameters):
-        given = values[:, column]
-        inside = parameter.has(given)
-        if not inside.all():
-            row = int(inside.argmin())
-            raise InputError(
-                f"{recipe.source}: parameter `{parameter.name}` must lie in "
-                f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit} (got "
-                f"{given[row]:g} in row {row}); angles are in rad, and the recipe has the limits."
-            )
+    for parameter, column in zip(recipe.parameters, values.T, strict=True):
+        parameter.require(column, recipe.source, parameter.minimum, parameter.maximum)
     return values
 
 

@@ -9,14 +9,13 @@ import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NoReturn, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, readable, suggestion, unreadable
+from lutgen.errors import RecipeError, readable, suggestion
 from lutgen.recipe.schema import PATTERNS
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -89,21 +88,17 @@ def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoRetur
 def read_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a file, which must be UTF-8 and no longer than a recipe may be."""
     source = os.fspath(path)
-    most = bounds.RECIPE_BYTES
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(most.most + 1)
-    except OSError as error:
-        raise unreadable(source, error) from error
-    if len(raw) > most.most:
-        raise RecipeError(
-            f"{source}: is too long (got more than {most.most:,} {most.what}); is it a recipe?"
-        )
+    raw = bounds.read(source, bounds.RECIPE_BYTES)
     if raw.startswith(HDF5):
         raise RecipeError(
             f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
             "`lutgen.load_map(path).recipe`."
         )
+    return utf8(raw, source)
+
+
+def utf8(raw: bytes, source: str) -> str:
+    """Return bytes as text, without a byte order mark; RecipeError has the line of a fault."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -224,4 +219,4 @@ def toml(value: object) -> str:
     """
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {toml(one)}" for name, one in value.items()) + " }"
-    return json.dumps(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

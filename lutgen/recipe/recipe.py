@@ -1,22 +1,16 @@
-"""A recipe: the robot, its sweep, and the defaults of its export.
+"""Read a recipe, TOML, and check it."""
 
-A recipe is TOML; the result is a frozen ``Recipe`` with every angle in radians.  This
-file does not compute postures (`kinematics`) and writes nothing.
-"""
-
-import hashlib
 import math
 import os
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
+from lutgen.parts import ZERO, Contact, Link
 from lutgen.recipe.code import load_function
+from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
+from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
     contacts_of,
     forces_of,
@@ -30,103 +24,8 @@ from lutgen.recipe.robot import (
 )
 from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
 from lutgen.recipe.rules import head_faults
-from lutgen.recipe.schema import Export, File, Gravity, Robot, Sweep
-from lutgen.vector import Vector
-
-
-@dataclass(frozen=True)
-class ExportDefaults:
-    """What ``lutgen export`` uses unless it is told otherwise, as the recipe wrote it."""
-
-    flash: str | None = None
-    max_error: str | None = None
-
-
-@dataclass(frozen=True, repr=False)
-class Recipe:
-    """A checked recipe; angles in rad, lengths in `length_unit`.
-
-    `python` is ``"module:function"`` for a robot given by code; `function` is then
-    that function.  `text` is the TOML itself and `source` its file name for messages.
-    `urdf` is the content of the robot description that the recipe names.
-    Payloads are links; `com_offset` is added to the com that links give, and `com_uncertainty` is
-    the radius of the ball in which the com lies.
-    `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
-    `home` has the parameters of the posture that it stands in, as far as the recipe says.
-    `snapped` says which contacts are not quite where the text has them, see `snap`.
-    `title` is what figures call the robot.
-    """
-
-    name: str
-    length_unit: str
-    friction: float | None
-    upright: float
-    rock_angle: float
-    parameters: tuple[Parameter, ...]
-    links: tuple[Link, ...]
-    contacts: tuple[Contact, ...]
-    python: str | None
-    grid: Grid
-    chart: Chart
-    channels: tuple[str, ...]
-    export: ExportDefaults
-    text: str
-    source: str
-    function: Callable[..., Any] | None = field(default=None, compare=False)
-    wheels: tuple[Wheel, ...] = ()
-    urdf: str | None = None
-    forces: tuple[Force, ...] = ()
-    com_uncertainty: float = 0.0
-    com_offset: Vector = ZERO
-    rest_width: float | None = None
-    contact_tolerance: float | None = None
-    home: dict[str, float] = field(default_factory=dict)
-    snapped: tuple[str, ...] = field(default=(), compare=False)
-    title: str | None = None
-
-    def __repr__(self) -> str:
-        names = ", ".join(p.name for p in self.parameters) or "no parameters"
-        return f"<Recipe {self.name!r}: {len(self.contacts)} contacts, {names}, {self.source}>"
-
-    def __hash__(self) -> int:
-        # Of the text alone: the robot is looked up by its recipe in every evaluation.
-        return hash(self.text)
-
-    @property
-    def digest(self) -> str:
-        """What ``recipe_digest`` gives for the text and the description that it names."""
-        return recipe_digest(self.text, self.urdf)
-
-    @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Names of the contacts, in order."""
-        return tuple(contact.name for contact in self.contacts)
-
-    @property
-    def nodes(self) -> int:
-        """Nodes of the map, per channel."""
-        return self.grid.size * math.prod(self.chart.shape)
-
-    @property
-    def home_params(self) -> tuple[float, ...]:
-        """The posture at `home`, rad or length: the middle of the range where it says nothing."""
-        return tuple(self.home.get(p.name, (p.minimum + p.maximum) / 2.0) for p in self.parameters)
-
-    @property
-    def has_wrench(self) -> bool:
-        """Whether any force or moment acts beside the weight."""
-        return any(force.acts for force in self.forces)
-
-    @property
-    def loaded(self) -> bool:
-        """Whether forces act beside the weight, or the com is uncertain."""
-        return self.has_wrench or self.com_uncertainty > 0.0
-
-
-def recipe_digest(text: str, urdf: str | None = None) -> str:
-    """Return the SHA-256 of a recipe's text, in hex; a zero byte and the URDF follow the text."""
-    whole = text if urdf is None else f"{text}\0{urdf}"
-    return hashlib.sha256(whole.encode()).hexdigest()
+from lutgen.recipe.schema import Export, File
+from lutgen.recipe.snap import snap
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
@@ -186,23 +85,20 @@ def parse_recipe(
     parameters = parameters_of(robot)
     function = None
     links: tuple[Link, ...] = (Link("body"),)
-    shapes: dict[int, list[Contact]] = {}
-    if robot.urdf is not None:
-        # What reads descriptions takes a while to import, and few recipes have one.
-        from lutgen.recipe.described import links_and_shapes, read_description
-
-        if urdf is None and inert:
-            what, way_out = "is not stored beside the recipe", "sweep the recipe again"
-            fail(source, "robot.urdf", what, robot.urdf, way_out)
-        urdf = read_description(source, robot.urdf) if urdf is None else urdf
-        links, shapes = links_and_shapes(robot, parameters, urdf, source)
-    contacts = contacts_of(robot, shapes)
     if robot.python is not None:
         count = 0
         if not inert:
             function, count = load_function(source, robot.python, parameters, allow_python)
         contacts = tuple(Contact(f"P{i}", "body", ZERO) for i in range(1, count + 1))
     else:
+        shapes: dict[int, list[Contact]] = {}
+        if robot.urdf is not None:
+            if urdf is None and inert:
+                what, way_out = "is not stored beside the recipe", "sweep the recipe again"
+                fail(source, "robot.urdf", what, robot.urdf, way_out)
+            urdf = read_description(source, robot.urdf) if urdf is None else urdf
+            links, shapes = links_and_shapes(robot, parameters, urdf, source)
+        contacts = contacts_of(robot, shapes)
         carriers = robot.link if robot.urdf is None else links
         root = ["body"] if robot.urdf is None else []
         names = dict.fromkeys([*root, *(link.name for link in carriers)])
@@ -211,6 +107,12 @@ def parse_recipe(
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)
         refuse(source, faults)
         links = links_of(robot) if robot.urdf is None else links
+    samples = file.sweep.samples or {}
+    axes = (
+        Axis(one.name, parameter.unit, knots_of(one, samples[one.name]))
+        for one, parameter in zip(robot.parameter, parameters, strict=True)
+    )
+    tilt = () if gravity.max_tilt is None else (math.radians(gravity.max_tilt),)
     recipe = Recipe(
         name=robot.name,
         length_unit=robot.length_unit,
@@ -221,8 +123,8 @@ def parse_recipe(
         links=weighed((*links, *payloads_of(robot)), robot.mass),
         contacts=contacts,
         python=robot.python,
-        grid=_grid(file.sweep, robot, parameters),
-        chart=_chart(gravity),
+        grid=Grid(tuple(axes)),
+        chart=Chart(gravity.chart, gravity.nodes, *tilt),
         channels=tuple(gravity.channels or file.sweep.channels or ()),
         export=ExportDefaults(_text(export.flash), _text(export.max_error)),
         text=text,
@@ -238,26 +140,7 @@ def parse_recipe(
         home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},
         title=robot.title,
     )
-    # The size, of which tolerances are parts, is that of a recipe.
-    from lutgen.recipe.snap import snap
-
     return snap(recipe)
-
-
-def _grid(sweep: Sweep, robot: Robot, parameters: tuple[Parameter, ...]) -> Grid:
-    samples = sweep.samples or {}
-    return Grid(
-        tuple(
-            Axis(internal.name, internal.unit, knots_of(one, samples[one.name]))
-            for one, internal in zip(robot.parameter, parameters, strict=True)
-        )
-    )
-
-
-def _chart(gravity: Gravity) -> Chart:
-    if gravity.max_tilt is None:
-        return Chart(gravity.chart, gravity.nodes)
-    return Chart(gravity.chart, gravity.nodes, math.radians(gravity.max_tilt))
 
 
 def _text(value: str | float | None) -> str | None:

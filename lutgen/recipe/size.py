@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from lutgen.recipe.kinematics import forward, radii_and_kinds
-from lutgen.recipe.recipe import Recipe
+from lutgen.recipe.model import Recipe
 
 # Postures that are looked at: both ends and the middle of every parameter, or of so many parameters
 # that they would be more than this, the ends of as many as possible.

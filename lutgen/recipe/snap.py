@@ -4,12 +4,14 @@ A wheel that is described by two rims, with the noise of printed digits, must be
 three rims of two wheels make up a rest on which no robot stands.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from lutgen.parts import Contact, Link
-from lutgen.recipe.recipe import Recipe
+from lutgen.parts import Contact, Link, parents_first
+from lutgen.recipe.model import Recipe
 from lutgen.recipe.size import contact_tolerance_of, robot_size_of
 from lutgen.rotation import rotation
 from lutgen.vector import Floats
@@ -18,6 +20,17 @@ from lutgen.vector import Floats
 ROUNDING = 1e-12
 # Part of the size: what moves by more is said.
 WORTH_SAYING = 1e-9
+
+
+class Disc(NamedTuple):
+    """A disc by its number, where its link is in the frame of its group, and its axle there."""
+
+    number: int
+    contact: Contact
+    turn: Floats
+    origin: Floats
+    centre: Floats
+    axis: Floats
 
 
 def snap(recipe: Recipe) -> Recipe:
@@ -38,116 +51,84 @@ def snap(recipe: Recipe) -> Recipe:
     Recipe
         `snapped` says what has moved by more than rounding.
     """
-    contacts = list(recipe.contacts)
-    groups: dict[str, list[int]] = {}
     places = _places(recipe.links)
-    for i, contact in enumerate(contacts):
-        if contact.kind == "disc":
-            groups.setdefault(places[contact.link][0], []).append(i)
-    groups = {root: some for root, some in groups.items() if len(some) > 1}
-    if not groups:
+    groups: dict[str, list[Disc]] = {}
+    for i, one in enumerate(recipe.contacts):
+        if one.kind == "disc":
+            root, turn, origin = places[one.link]
+            axle = origin + turn @ np.array(one.position), turn @ np.array(one.axis)
+            groups.setdefault(root, []).append(Disc(i, one, turn, origin, *axle))
+    if all(len(discs) == 1 for discs in groups.values()):
         return recipe
     tolerance, size = contact_tolerance_of(recipe), robot_size_of(recipe)
-    moved: dict[str, float] = {}
-    for some in groups.values():
-        for line in _lines(contacts, some, places, tolerance):
-            for i, disc in _agreed(contacts, line, places, tolerance):
-                away = _change(contacts[i], disc)
-                if away > ROUNDING * size:
-                    contacts[i] = disc
-                if away > WORTH_SAYING * size:
-                    moved[disc.name] = away
-    said = tuple(
-        f"disc {name} was moved by {away:.2g} {recipe.length_unit}, to agree with those on its axle"
-        for name, away in moved.items()
-    )
-    return replace(recipe, contacts=tuple(contacts), snapped=said)
+    contacts, said = list(recipe.contacts), []
+    for line in (line for discs in groups.values() for line in _lines(discs, tolerance)):
+        for disc, contact in zip(line, _agreed(line, tolerance), strict=True):
+            away = _change(disc.contact, contact)
+            if away > ROUNDING * size:
+                contacts[disc.number] = contact
+            if away > WORTH_SAYING * size:
+                said.append(
+                    f"disc {contact.name} was moved by {away:.2g} {recipe.length_unit}, to agree "
+                    "with those on its axle"
+                )
+    return replace(recipe, contacts=tuple(contacts), snapped=tuple(said))
 
 
-def _places(links: tuple[Link, ...]) -> dict[str, tuple[str, Floats, Floats]]:
+def _places(links: Sequence[Link]) -> dict[str, tuple[str, Floats, Floats]]:
     """Return for each link the nearest one above that a joint moves, and where it is in that.
 
     The place is a rotation (3, 3) and an origin (3,).
     """
     named = {link.name: link for link in links}
     found: dict[str, tuple[str, Floats, Floats]] = {}
-
-    def place(link: Link) -> tuple[str, Floats, Floats]:
-        if link.name not in found:
-            if link.parent is None or link.joint is not None:
-                found[link.name] = link.name, np.eye(3), np.zeros(3)
-            else:
-                root, turn, origin = place(named[link.parent])
-                found[link.name] = (
-                    root,
-                    turn @ rotation(link.rpy),
-                    origin + turn @ np.array(link.origin),
-                )
-        return found[link.name]
-
-    for link in links:
-        place(link)
+    for name in parents_first({link.name: link.parent for link in links})[0]:
+        link = named[name]
+        if link.parent is None or link.joint is not None:
+            found[name] = name, np.eye(3), np.zeros(3)
+        else:
+            root, turn, origin = found[link.parent]
+            found[name] = root, turn @ rotation(link.rpy), origin + turn @ np.array(link.origin)
     return found
 
 
-def _axle(contact: Contact, places: dict[str, tuple[str, Floats, Floats]]) -> tuple[Floats, Floats]:
-    """Return centre and axis (3,) of a disc in the frame of its group."""
-    _, turn, origin = places[contact.link]
-    return origin + turn @ np.array(contact.position), turn @ np.array(contact.axis)
-
-
-def _lines(
-    contacts: list[Contact],
-    some: list[int],
-    places: dict[str, tuple[str, Floats, Floats]],
-    tolerance: float,
-) -> list[list[int]]:
+def _lines(discs: Sequence[Disc], tolerance: float) -> list[list[Disc]]:
     """Return discs in sets of two or more whose axes are one line, transitively."""
-    lines: list[list[int]] = []
-    for i in some:
-        centre, axis = _axle(contacts[i], places)
-        near = []
+    lines: list[list[Disc]] = []
+    for disc in discs:
+        near, far = [disc], []
         for line in lines:
-            for j in line:
-                other, along = _axle(contacts[j], places)
-                # How far the rims of both are off, by their places and by their axes.
-                arm = other - centre
-                aside = float(np.linalg.norm(arm - (arm @ axis) * axis))
-                radius = max(contacts[i].radius, contacts[j].radius)
-                lean = radius * float(np.linalg.norm(np.cross(axis, along)))
-                if max(aside, lean) <= tolerance:
-                    near.append(line)
-                    break
-        lines = [line for line in lines if line not in near]
-        lines.append([*(j for line in near for j in line), i])
-    return [sorted(line) for line in lines if len(line) > 1]
+            if any(_apart(disc, other) <= tolerance for other in line):
+                near += line
+            else:
+                far.append(line)
+        lines = [*far, near]
+    return [sorted(line, key=lambda disc: disc.number) for line in lines if len(line) > 1]
 
 
-def _agreed(
-    contacts: list[Contact],
-    line: list[int],
-    places: dict[str, tuple[str, Floats, Floats]],
-    tolerance: float,
-) -> list[tuple[int, Contact]]:
+def _apart(disc: Disc, other: Disc) -> float:
+    """Return how far (length) the rims of two discs are off one axle."""
+    arm = other.centre - disc.centre
+    aside = float(np.linalg.norm(arm - (arm @ disc.axis) * disc.axis))
+    radius = max(disc.contact.radius, other.contact.radius)
+    return max(aside, radius * float(np.linalg.norm(np.cross(disc.axis, other.axis))))
+
+
+def _agreed(line: Sequence[Disc], tolerance: float) -> list[Contact]:
     """Return the discs of one line as they agree."""
-    axles = [_axle(contacts[i], places) for i in line]
-    first = axles[0][1]
-    signs = [1.0 if axis @ first >= 0.0 else -1.0 for _, axis in axles]
-    axis = np.array(signs) @ np.array([one for _, one in axles])
+    signs = np.array([1.0 if disc.axis @ line[0].axis >= 0.0 else -1.0 for disc in line])
+    axis = signs @ np.array([disc.axis for disc in line])
     axis /= np.linalg.norm(axis)
-    centres = np.array([centre for centre, _ in axles])
+    centres = np.array([disc.centre for disc in line])
     middle = centres.mean(axis=0)
     along = (centres - middle) @ axis
-    radii = _one_radius(np.array([contacts[i].radius for i in line]), tolerance)
+    radii = _one_radius(np.array([disc.contact.radius for disc in line]), tolerance)
     result = []
-    for k, i in enumerate(line):
-        _, turn, origin = places[contacts[i].link]
-        position = turn.T @ (middle + along[k] * axis - origin)
-        direction = turn.T @ (signs[k] * axis)
+    for k, disc in enumerate(line):
+        x, y, z = (disc.turn.T @ (middle + along[k] * axis - disc.origin)).tolist()
+        a, b, c = (disc.turn.T @ (signs[k] * axis)).tolist()
         radius = _behind_the_cone(along, radii, k, tolerance)
-        x, y, z = position.tolist()
-        a, b, c = direction.tolist()
-        result.append((i, replace(contacts[i], position=(x, y, z), axis=(a, b, c), radius=radius)))
+        result.append(replace(disc.contact, position=(x, y, z), axis=(a, b, c), radius=radius))
     return result
 
 

@@ -1,7 +1,6 @@
 """Questions that vary the posture: optima, and paths over terrain.
 
-In reading order: `objective`, `minimise`, `acceptable`, `optima`, `terrain`, `terrain_csv`,
-`driving`.
+In reading order: `objective`, `methods`, `optima`, `terrain`, `terrain_csv`, `driving`.
 """
 
 from lutgen.search.driving import Drive, drive

@@ -1,8 +1,7 @@
 """A robot driving slowly along a path, with and without changing its shape.
 
-Owns the control that the paper simulates: at each point the robot takes the geometry that was
-found for the gravity direction of an earlier point, and it may turn, too.  Where it tips is then
-the verdict of the attitude that it takes, and nothing else.
+As in the paper, at each point the robot takes the geometry that was found for the gravity direction
+of an earlier point, and it may turn, too.  It tips where the attitude that it takes does.
 """
 
 import math
@@ -33,24 +32,13 @@ EQUAL, ROUNDING = 1e-9, 1e-15
 class Drive:
     """One run along a path of p points.
 
-    Attributes
-    ----------
-    path : Path
-        As given: the robot in its own heading.
-    params : (p, k) float64
-        The geometry at each point, rad or length.
-    wanted : (p, k) float64
-        The geometry that control asked for; another one only where rates are limited.
-    turn : (p,) float64
-        By how much the robot is turned against the path's heading, rad, to the left.
-    heading : (p,) float64
-        Its yaw in the world, rad.
-    gravity_body : (p, 3) float64
-        Unit vectors, down, in the body frame, in the attitude that the robot takes.
-    channels : dict of str to (p,) float64
-        sdg, height, tip_angle and margin, as `evaluate` gives them.
-    evaluations : int
-        Geometries evaluated by the searches.
+    `path` is as given, the robot in its own heading.  `params` (p, k) is the geometry at each
+    point, rad or length, and `wanted` (p, k) the one that control asked for; another one only where
+    rates are limited.  `turn` (p,) is by how much the robot is turned against the path's heading,
+    to the left, and `heading` (p,) its yaw in the world, rad.  `gravity_body` (p, 3) are unit
+    vectors, down, in the body frame, in the attitude that the robot takes.  `channels` are sdg,
+    height, tip_angle and margin (p,), as `evaluate` gives them; `evaluations` counts the geometries
+    that the searches evaluated.
     """
 
     path: Path
@@ -151,12 +139,12 @@ def drive(
     count = len(path.position)
     turn, wanted = np.zeros(count), np.tile(start, (count, 1))
     evaluations = 0
-    if control or headings is not None:
+    turns = _turns(1 if headings is None else headings)
+    if (control or headings is not None) and lag < count:
         asked = {"method": method, "objective": objective, "convention": convention, **options}
-        seek = _Seeker(recipe, start, control, {"limit": NO_LIMIT, **asked})
-        turns = _turns(1 if headings is None else headings)
-        wanted[lag:], turn[lag:] = seek.best(path.gravity[: max(count - lag, 0)], turns)
-        evaluations = seek.evaluations
+        kept, asked = None if control else start, {"limit": NO_LIMIT, **asked}
+        found = _best(recipe, path.gravity[: count - lag], turns, kept, asked)
+        wanted[lag:], turn[lag:], evaluations = found
     taken = turned(path, turn)
     params = wanted if fastest is None else _follow(wanted, start, path, fastest)
     gravity = body_gravity(recipe, params, taken.gravity, convention)
@@ -164,54 +152,42 @@ def drive(
     return Drive(path, params, wanted, turn, taken.heading, gravity, channels, evaluations)
 
 
-@dataclass
-class _Seeker:
-    """Finds the best geometries and turns for directions of gravity relative to the ground.
+def _best(
+    recipe: Recipe, gravity: Floats, turns: Floats, kept: Floats | None, asked: dict[str, Any]
+) -> tuple[Floats, Floats, int]:
+    """Return geometries (p, k), turns (p,), rad, and evaluations for directions on the ground.
 
-    `asked` are the keywords of `optimum`.
+    `kept` (k,) is the geometry of a robot that does not change it; `asked` are the keywords of
+    `optimum`.
     """
+    # Equal directions (p, 3) are searched once.
+    unlike, which = np.unique(gravity, axis=0, return_inverse=True)
+    each = np.repeat(unlike, len(turns), axis=0)
+    ground = Path(np.zeros((len(each), 3)), np.zeros(len(each)), each)
+    down = turned(ground, np.tile(turns, len(unlike))).gravity
+    params, costs, evaluations = _geometries(recipe, down, kept, **asked)
+    costs = costs.reshape(len(unlike), len(turns))
+    least = costs.min(axis=1, keepdims=True)
+    chosen = (costs <= least + EQUAL + ROUNDING * np.abs(least)).argmax(axis=1)
+    rows = np.arange(len(unlike)) * len(turns) + chosen
+    return params[rows][which.ravel()], turns[chosen][which.ravel()], evaluations
 
-    recipe: Recipe
-    start: Floats
-    control: bool
-    asked: Mapping[str, Any]
-    evaluations: int = 0
 
-    def best(self, gravity: Floats, turns: Floats) -> tuple[Floats, Floats]:
-        """Return geometries (p, k) and turns (p,), rad, for directions (p, 3) on the ground."""
-        if not len(gravity):
-            return np.empty((0, len(self.start))), np.empty(0)
-        # Equal directions are searched once.
-        unlike, which = np.unique(gravity, axis=0, return_inverse=True)
-        each = np.repeat(unlike, len(turns), axis=0)
-        ground = Path(np.zeros((len(each), 3)), np.zeros(len(each)), each)
-        down = turned(ground, np.tile(turns, len(unlike))).gravity
-        params, costs = self._geometries(down)
-        costs = costs.reshape(len(unlike), len(turns))
-        least = costs.min(axis=1, keepdims=True)
-        chosen = (costs <= least + EQUAL + ROUNDING * np.abs(least)).argmax(axis=1)
-        rows = np.arange(len(unlike)) * len(turns) + chosen
-        return params[rows][which.ravel()], turns[chosen][which.ravel()]
-
-    def _geometries(self, gravity: Floats) -> tuple[Floats, Floats]:
-        """Return the geometries (m, k) for headings (m, 3), and their costs (m,)."""
-        asked = {**self.asked}
-        method, objective = asked.pop("method"), asked.pop("objective")
-        if not self.control:
-            goal = Objective(self.recipe, gravity[0], objective, asked["convention"])
-            params = np.tile(self.start, (len(gravity), 1))
-            self.evaluations += len(gravity)
-            return params, goal.cost(params, gravity)
-        if method == "search":
-            kept = {key: asked[key] for key in asked if key not in ("limit", "start", "seed")}
-            params, costs, evaluations = searched_each(self.recipe, gravity, objective, **kept)
-            self.evaluations += evaluations
-            return params, costs
-        found = [optimum(self.recipe, one, method, objective, **asked) for one in gravity]
+def _geometries(
+    recipe: Recipe, gravity: Floats, kept: Floats | None, method: str, objective: str, **asked: Any
+) -> tuple[Floats, Floats, int]:
+    """Return the geometries (m, k) for headings (m, 3), their costs (m,), and evaluations."""
+    if kept is None and method == "search":
+        meshed = {key: asked[key] for key in asked if key not in ("limit", "start", "seed")}
+        return searched_each(recipe, gravity, objective, **meshed)
+    goal = Objective(recipe, gravity[0], objective, asked["convention"])
+    if kept is not None:
+        params, evaluations = np.tile(kept, (len(gravity), 1)), len(gravity)
+    else:
+        found = [optimum(recipe, one, method, objective, **asked) for one in gravity]
         params = np.array([one.params for one in found])
-        self.evaluations += sum(one.evaluations for one in found)
-        goal = Objective(self.recipe, gravity[0], objective, asked["convention"])
-        return params, goal.cost(params, gravity)
+        evaluations = sum(one.evaluations for one in found)
+    return params, goal.cost(params, gravity), evaluations
 
 
 def _turns(headings: int) -> Floats:

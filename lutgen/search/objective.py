@@ -1,9 +1,8 @@
 """What a search makes small: one channel, or a weighted sum of several.
 
-Owns the words of an objective and its cost.  Channels of which more is better count with their
-sign turned, so a cost is always minimised; a geometry in which the robot tips costs more than any
-in which it stands, and the more the farther it is from standing, so that a search that begins
-there finds its way out.
+Channels of which more is better count with their sign turned, so a cost is always minimised.  A
+geometry in which the robot tips costs more than any in which it stands, and the more the farther it
+is from standing, so that a search that begins there finds its way out.
 """
 
 import re

@@ -1,7 +1,6 @@
 """The best geometry of a robot for a gravity direction.
 
-Owns `optimum`: it sets a method of `minimise` on the objective of a recipe and reports in the
-recipe's parameters.
+A search sees the parameters in the units that people read; what it reports is in rad or length.
 """
 
 from collections.abc import Iterator
@@ -16,43 +15,26 @@ from lutgen.channels import checked_directions
 from lutgen.errors import InputError
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
-from lutgen.search import minimise
-from lutgen.search.acceptable import acceptable_range, half_widths
-from lutgen.search.minimise import LEVELS, Floats, Step
+from lutgen.search import methods
+from lutgen.search.methods import LEVELS, Floats, Step, acceptable_range, half_widths
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
-# A mesh of 5 nodes a side has 390,625 nodes then, and every step is remembered.
-MOST_FOR_SEARCH = SEARCHED.most
 
 
 @dataclass(frozen=True)
 class Optimum:
     """What a search found; parameters in rad or the recipe's length unit.
 
-    Attributes
-    ----------
-    params : (k,) float64
-        The best geometry seen in the whole search.
-    value : float
-        The objective there: the channel's value (tip_angle in rad), or the cost of a weighted sum;
-        NaN where the robot tips.
-    standing : bool
-        Whether the robot stands there.  If not, none of the geometries tried stands, and this is
-        the one closest to standing.
-    evaluations : int
-        Geometries evaluated by the method.
-    trace : tuple of Step
-        The steps of the method; the last one is where the method itself ends, which for `search`
-        may be worse than the best it has seen.
-    acceptable : (k, 2) float64
-        Largest interval of each parameter, the others kept, in which the robot stands and the
-        objective stays within the limit; NaN where the optimum itself does not.
-    delta : (k,) float64
-        The paper's +-delta: params +- delta is acceptable as far as the bounds go.
-    method, objective, convention : str
-        What was asked.
+    `params` (k,) is the best geometry seen in the whole search, and `value` the objective there:
+    the channel's value, or the cost of a weighted sum; NaN where the robot tips.  If it is not
+    `standing`, none of the geometries tried stands, and this is the one closest to standing.
+    `evaluations` counts geometries.  `trace` are the steps of the method; the last one is where the
+    method itself ends, which for `search` may be worse than the best it has seen.  `acceptable`
+    (k, 2) is the largest interval of each parameter, the others kept, in which the robot stands and
+    the objective stays within the limit; NaN where the optimum itself does not.  `delta` (k,) is
+    the paper's: params +- delta is acceptable as far as the bounds go.
     """
 
     params: Floats
@@ -108,7 +90,7 @@ def optimum(
         Of the acceptable ranges: the objective's worst acceptable value.  By default all
         geometries in which the robot stands are acceptable.
     levels, ends
-        Of `search`: see `minimise.refine`.
+        Of `search`: see `methods.refine`.
     seed : int
         Of `multistart`.
 
@@ -131,47 +113,37 @@ def optimum(
     """
     _check(method, ends, levels)
     goal = Objective(recipe, gravity_dir, objective, convention)
-    box = _box(recipe, bounds)
-    space = _space(recipe, box)
-    begin = space.points(_start(recipe, start, box)[None, :])[0]
-    if method == "search":
-        _check_mesh(recipe, space)
+    space = _space(recipe, bounds, method)
+    begin = space.points(_start(recipe, start, space)[None, :])[0]
 
     def cost(points: Floats) -> Floats:
         return goal.cost(space.params(points))
 
     if method == "map":
-        steps = minimise.smallest_node(cost, _nodes(recipe, space))
+        steps = methods.smallest_node(cost, _nodes(recipe, space))
     elif method == "search":
-        steps = minimise.refine(cost, space.box, levels, ends)
+        steps = methods.refine(cost, space.box, levels, ends)
     elif method == "nelder-mead":
-        steps = minimise.nelder_mead(cost, space.box, begin)
+        steps = methods.nelder_mead(cost, space.box, begin)
     else:
-        steps = minimise.multistart(cost, space.box, begin, seed)
+        steps = methods.multistart(cost, space.box, begin, seed)
     evaluations = goal.evaluations
     best = min(steps, key=lambda step: step.value)
     # Costs of standing geometries lie below TIPS.
     bar = np.nextafter(TIPS, 0.0) if limit is None else goal.cost_of(limit)
     found = acceptable_range(cost, best.params, space.box, bar)
-    width = half_widths(found, best.params, space.box)
-    acceptable, delta = np.repeat(space.kept[:, None], 2, axis=1), np.zeros(len(box))
-    acceptable[space.free] = found * space.factor[:, None]
-    delta[space.free] = width * space.factor
-    if np.isnan(found).any():
-        # A kept value is no more acceptable than the geometry that it belongs to.
-        acceptable[:], delta[:] = np.nan, np.nan
-    shown = _named(best, goal, space)
+    # A kept value is no more acceptable than the geometry that it belongs to.
+    lost = bool(np.isnan(found).any())
+    acceptable = np.full((len(space.kept), 2), np.nan) if lost else space.kept[:, None].repeat(2, 1)
+    delta = np.full(len(space.kept), np.nan if lost else 0.0)
+    if not lost:
+        acceptable[space.free] = found * space.factor[:, None]
+        delta[space.free] = half_widths(found, best.params, space.box) * space.factor
+    trace = tuple(_named(step, goal, space) for step in steps)
+    shown, standing = _named(best, goal, space), best.value < TIPS
+    asked = (method, objective, convention)
     return Optimum(
-        shown.params,
-        shown.value,
-        best.value < TIPS,
-        evaluations,
-        tuple(_named(step, goal, space) for step in steps),
-        acceptable,
-        delta,
-        method,
-        objective,
-        convention,
+        shown.params, shown.value, standing, evaluations, trace, acceptable, delta, *asked
     )
 
 
@@ -185,35 +157,16 @@ def searched_each(
     levels: int = LEVELS,
     ends: str = "left",
 ) -> tuple[Floats, Floats, int]:
-    """Return what the method `search` of `optimum` finds for each of m gravity directions.
+    """Return what the method `search` of `optimum` finds for each gravity direction (m, 3).
 
-    Parameters
-    ----------
-    recipe, objective, convention, bounds, levels, ends
-        As for `optimum`.
-    gravity_dir : (m, 3) array_like
-        Pointing down, any length > 0.
-
-    Returns
-    -------
-    params : (m, k) float64
-        The best geometries seen, rad or length.
-    costs : (m,) float64
-        As `Objective.cost` gives them: below `TIPS` where the robot stands.
-    evaluations : int
-        Geometries evaluated in all.
-
-    Raises
-    ------
-    InputError
-        As `optimum`.
+    These are the best geometries seen (m, k), rad or length, their costs (m,), and the number of
+    geometries evaluated in all.
     """
     _check("search", ends, levels)
     down = np.array([checked_directions(one)[0] for one in np.asarray(gravity_dir)])
-    space = _space(recipe, _box(recipe, bounds))
-    _check_mesh(recipe, space)
+    space = _space(recipe, bounds, "search")
     params, costs, evaluations = np.empty((len(down), len(space.kept))), np.empty(len(down)), 0
-    at_once = max(1, AT_ONCE // minimise.NODES ** len(space.box))
+    at_once = max(1, AT_ONCE // methods.NODES ** len(space.box))
     for begin in range(0, len(down), at_once):
         some = down[begin : begin + at_once]
         goal = Objective(recipe, some[0], objective, convention)
@@ -223,7 +176,7 @@ def searched_each(
             found = goal.cost(rows, np.repeat(some, nodes.shape[1], axis=0))
             return found.reshape(nodes.shape[:2])
 
-        for i, steps in enumerate(minimise.refine_each(cost, space.box, len(some), levels, ends)):
+        for i, steps in enumerate(methods.refine_each(cost, space.box, len(some), levels, ends)):
             best = min(steps, key=lambda step: step.value)
             params[begin + i] = space.params(best.params[None, :])[0]
             costs[begin + i] = best.value
@@ -242,28 +195,23 @@ def _check(method: str, ends: str, levels: int) -> None:
     check(levels, MOST_LEVELS, "the levels of a search", "use fewer, 6 by default")
 
 
-def _check_mesh(recipe: Recipe, space: "_Space") -> None:
-    """Refuse more free parameters than a mesh of 5 nodes a side can have."""
-    if len(space.box) > MOST_FOR_SEARCH:
-        raise InputError(
-            f"{recipe.source}: the method search takes at most {MOST_FOR_SEARCH} parameters (got "
-            f"{len(space.box)}, or 5^{len(space.box)} nodes a step); use multistart, or keep some "
-            "parameters by equal bounds"
-        )
-
-
 @dataclass(frozen=True)
 class _Space:
     """What a search sees of the parameters: those that are free, in the units that people read.
 
     The paper's nodes are whole degrees.  `box` (f, 2) and `factor` (f,) belong to the free ones;
-    `free` (k,) says which they are, and `kept` (k,) has the values of the others, rad or length.
+    `free` (k,) says which they are, and `whole` (k, 2) are the bounds of all, rad or length.
     """
 
     box: Floats
     factor: Floats
     free: NDArray[np.bool_]
-    kept: Floats
+    whole: Floats
+
+    @property
+    def kept(self) -> Floats:
+        """The lowest values (k,), of which those that are not free are kept."""
+        return self.whole[:, 0]
 
     def params(self, points: Floats) -> Floats:
         """Return whole geometries (m, k), rad or length, of points (m, f)."""
@@ -276,18 +224,37 @@ class _Space:
         return np.asarray(params[:, self.free] / self.factor)
 
 
-def _space(recipe: Recipe, box: Floats) -> _Space:
-    """Return the space of a search within bounds (k, 2), rad or length."""
+def _space(recipe: Recipe, bounds: ArrayLike | None, method: str) -> _Space:
+    """Return the space of a search within bounds (k, 2), rad or length; refuse what is none."""
+    count = len(recipe.parameters)
+    ranges = [[p.minimum, p.maximum] for p in recipe.parameters]
+    box = np.array(ranges if bounds is None else bounds, dtype=np.float64)
+    box = box.reshape(-1, 2) if bounds is None else box
+    if box.shape != (count, 2) or not np.isfinite(box).all():
+        raise InputError(
+            f"{recipe.source}: bounds must be finite and have the shape ({count}, 2) (got "
+            f"{np.asarray(bounds).tolist()}); give a lowest and a highest value for each parameter"
+        )
+    if not (box[:, 0] <= box[:, 1]).all():
+        raise InputError(
+            f"{recipe.source}: no lower bound may be above the upper one (got {box.tolist()}); "
+            "swap them"
+        )
     free = box[:, 0] < box[:, 1]
     if not free.any():
         raise InputError(
             f"{recipe.source}: the robot has no geometry parameter to search (got "
             f"{len(box)}, all kept); leave at least one free"
         )
-    factor = np.array(
-        [np.pi / 180.0 if p.display_unit == "deg" else 1.0 for p in recipe.parameters]
-    )[free]
-    return _Space(box[free] / factor[:, None], factor, free, box[:, 0].copy())
+    most, searched = SEARCHED.most, int(free.sum())
+    if method == "search" and searched > most:
+        raise InputError(
+            f"{recipe.source}: the method search takes at most {most} parameters (got {searched}, "
+            f"or 5^{searched} nodes a step); use multistart, or keep some by equal bounds"
+        )
+    units = [np.pi / 180.0 if p.display_unit == "deg" else 1.0 for p in recipe.parameters]
+    factor = np.array(units)[free]
+    return _Space(box[free] / factor[:, None], factor, free, box)
 
 
 def _named(step: Step, goal: Objective, space: _Space) -> Step:
@@ -320,35 +287,12 @@ def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
         )
 
 
-def _box(recipe: Recipe, bounds: ArrayLike | None) -> Floats:
-    """Return the bounds (k, 2), rad or length."""
-    if bounds is None:
-        return np.array([[p.minimum, p.maximum] for p in recipe.parameters]).reshape(-1, 2)
-    box = np.array(bounds, dtype=np.float64)
-    if box.shape != (len(recipe.parameters), 2) or not np.isfinite(box).all():
-        raise InputError(
-            f"{recipe.source}: bounds must be finite and have the shape "
-            f"({len(recipe.parameters)}, 2) (got {np.asarray(bounds).tolist()}); give a lowest and "
-            "a highest value for each parameter"
-        )
-    if not (box[:, 0] <= box[:, 1]).all():
-        raise InputError(
-            f"{recipe.source}: no lower bound may be above the upper one (got {box.tolist()}); "
-            "swap them"
-        )
-    return box
-
-
-def _start(recipe: Recipe, start: ArrayLike | None, box: Floats) -> Floats:
-    """Return where a search begins (k,), rad or length."""
-    if start is None:
-        return np.asarray(box.mean(axis=1))
-    begin = np.array(start, dtype=np.float64)
+def _start(recipe: Recipe, start: ArrayLike | None, space: _Space) -> Floats:
+    """Return where a search begins (k,), rad or length; in the middle unless it is given."""
+    low, high = space.whole.T
+    begin = np.array(space.whole.mean(axis=1) if start is None else start, dtype=np.float64)
     # A NaN is not inside either.
-    inside = begin.shape == (len(box),) and bool(
-        ((begin >= box[:, 0]) & (begin <= box[:, 1])).all()
-    )
-    if not inside:
+    if begin.shape != low.shape or not ((begin >= low) & (begin <= high)).all():
         raise InputError(
             f"{recipe.source}: the start must lie within the bounds, one number for each "
             f"parameter (got {np.asarray(start).tolist()}); leave it out to begin in the middle"

@@ -1,9 +1,8 @@
 """The path: points in the world, the robot's heading, and gravity relative to the ground.
 
-Owns what a terrain is to a robot that drives slowly over it: at each point of the path, how the
-ground under the robot lies.  It knows nothing of robots.  The world frame has z up; the frame of
-the ground under the robot has z along the ground's normal, upward, and x ahead, so that yaw of x
-is the robot's heading.  Convention "plane" of `channels.resting` takes gravity in that frame.
+The world frame has z up; the frame of the ground under the robot has z along the ground's normal,
+upward, and x ahead, so that yaw of x is the robot's heading.  Convention "plane" of
+`channels.resting` takes gravity in that frame.
 """
 
 import math
@@ -32,14 +31,9 @@ LARGEST = 1e100
 class Path:
     """Where a robot drives, p points in order.
 
-    Attributes
-    ----------
-    position : (p, 3) float64
-        Length unit, world frame, z up.
-    heading : (p,) float64
-        Yaw of the robot's x axis in the world, rad, counter-clockwise from world x.
-    gravity : (p, 3) float64
-        Unit vectors, down, in the frame of the ground under the robot: x ahead, z its normal.
+    `position` (p, 3) is in the length unit, world frame, z up; `heading` (p,) is the yaw of the
+    robot's x axis in the world, rad, counter-clockwise from world x; `gravity` (p, 3) are unit
+    vectors, down, in the frame of the ground under the robot: x ahead, z its normal.
     """
 
     position: Floats
@@ -134,7 +128,7 @@ def along(
     >>> path.gravity[0].round(3) + 0.0
     array([ 0.   ,  0.707, -0.707])
     """
-    points = _numbers("position", position, (None, 3))
+    points = _numbers("position", position, None)
     if len(points) < 2:
         raise InputError(f"a path needs at least 2 points (got {len(points)}); give more points")
     repeat = repeated(points)
@@ -143,9 +137,9 @@ def along(
             f"point {repeat} of the path is the one before it (got {points[repeat].tolist()}); "
             "leave it out"
         )
-    yaw = None if heading is None else _numbers("heading", heading, (len(points),))
+    yaw = None if heading is None else _numbers("heading", heading, len(points), None)
     if normal is not None:
-        up = unit_directions(_numbers("normal", normal, (len(points), 3)))
+        up = unit_directions(_numbers("normal", normal, len(points)))
         if (up[:, 2] < 0.0).any():
             at = int((up[:, 2] < 0.0).argmax())
             raise InputError(
@@ -165,13 +159,8 @@ def along(
 def turned(path: Path, turn: ArrayLike) -> Path:
     """Return the path with the robot turned about the ground's normal.
 
-    Parameters
-    ----------
-    path : Path
-        The path.
-    turn : float or (p,) array_like
-        Rad, to the left; the heading becomes the yaw of the turned robot, which on a slope changes
-        by a little more or less.
+    `turn`, one or (p,), is in rad, to the left; the heading becomes the yaw of the turned robot,
+    which on a slope changes by a little more or less.
 
     Examples
     --------
@@ -196,16 +185,15 @@ def repeated(position: Floats) -> int | None:
     return int(same.argmax()) + 1 if same.any() else None
 
 
-def _numbers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """Return a copy as float64 of the wanted shape, None being any length; refuse the rest."""
+def _numbers(name: str, values: ArrayLike, count: int | None, width: int | None = 3) -> Floats:
+    """Return a copy as float64, (count, width), or (count,) without a width; refuse the rest."""
     result = np.array(values, dtype=np.float64)
-    fits = result.ndim == len(shape) and all(
-        want in (None, have) for want, have in zip(shape, result.shape, strict=True)
-    )
-    if not fits:
+    rest = () if width is None else (width,)
+    if result.ndim != 1 + len(rest) or result.shape != (count or len(result), *rest):
+        shape = ", ".join(["p" if count is None else str(count), *map(str, rest)])
         raise InputError(
-            f"{name} must have the shape ({', '.join('p' if n is None else str(n) for n in shape)})"
-            f" (got {result.shape}); give one row for each point of the path"
+            f"{name} must have the shape ({shape}) (got {result.shape}); give one row for each "
+            "point of the path"
         )
     if not (np.abs(result) < LARGEST).all():
         at = int((~(np.abs(result) < LARGEST)).reshape(len(result), -1).any(axis=1).argmax())

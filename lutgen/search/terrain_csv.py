@@ -1,8 +1,4 @@
-"""Paths in CSV files, as other programs write them.
-
-Owns the columns and the messages that say where a file is wrong; what a path is, `terrain` knows.
-Logs of robots are read by the same rows.
-"""
+"""Paths in CSV files, as other programs write them; logs of robots are read by the same rows."""
 
 import csv
 import math
@@ -54,23 +50,14 @@ def read_rows(
     file: str | os.PathLike[str],
     check_names: Callable[[str, list[str]], None],
     what: str = "a path needs at least 2 points",
+    least: int = 2,
 ) -> tuple[dict[str, Floats], list[int]]:
     """Return the columns of a CSV file by name, each (p,), and the line of each row.
 
-    Parameters
-    ----------
-    file : path
-        UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
-        others; as large as a terrain may be.
-    check_names : callable
-        Refuses a header: given the file's name, and the columns.
-    what : str
-        The sentence for a file of fewer than 2 rows.
-
-    Raises
-    ------
-    InputError
-        For anything else, with line and column.
+    It is UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
+    others; as large as a terrain may be.  Anything else is refused with line and column.
+    `check_names` refuses a header, given the file's name and the columns; `what` is the sentence
+    for a file of fewer than `least` rows.
     """
     source, way_out = os.fspath(file), "cut the path into parts"
     try:
@@ -102,7 +89,7 @@ def read_rows(
         raise InputError(
             f"{source}: line {reader.line_num} is no CSV (got {error}); save it again"
         ) from error
-    if len(rows) < 2:
+    if len(rows) < least:
         raise InputError(f"{source}: {what} (got {len(rows)}); add lines")
     return dict(zip(names, np.array(rows).T, strict=True)), lines
 
@@ -110,13 +97,7 @@ def read_rows(
 def check_columns(
     source: str, names: Sequence[str], wanted: Sequence[str], known: Sequence[str]
 ) -> None:
-    """Refuse the names of columns of a file unless all wanted ones and only known ones are there.
-
-    Raises
-    ------
-    InputError
-        For a name that is missing, unknown or there twice.
-    """
+    """Refuse columns of a file of which one is missing, unknown or there twice."""
     got = f"(got {','.join(names) or 'nothing'})"
     missing = [name for name in wanted if name not in names]
     if missing:

@@ -19,7 +19,6 @@ class Collision:
     how it was found, and on a shape that is not understood, why.
     """
 
-    name: str
     kind: str
     size: tuple[float, ...]
     origin: Vector = ZERO
@@ -92,3 +91,8 @@ class UrdfRobot:
     ignored: dict[str, int]
     rounded: tuple[str, ...] = ()
     unknown: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def above(self) -> dict[str, UrdfJoint]:
+        """The joint that carries each link but the root."""
+        return {joint.child: joint for joint in self.joints}

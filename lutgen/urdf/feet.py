@@ -84,9 +84,8 @@ def wheel_of(
     )
     x, y, z = _plain(origin + 0.5 * (low + high) * axis)
     rpy = angles(np.stack([*_across(axis), axis], axis=1))
-    return Collision(
-        "", "cylinder", _plain(np.array([largest, high - low])), (x, y, z), rpy, note=note
-    )
+    size = _plain(np.array([largest, high - low]))
+    return Collision("cylinder", size, (x, y, z), rpy, note=note)
 
 
 def foot_of(points: Floats, down: Floats) -> Collision:
@@ -125,7 +124,7 @@ def foot_of(points: Floats, down: Floats) -> Collision:
     else:
         kept, loss = _few(end, directions)
         note = f"the lowest corners, at most {1000.0 * loss:.2f} mm inside of its shape"
-    return Collision("", "points", _plain(kept.ravel()), note=note)
+    return Collision("points", _plain(kept.ravel()), note=note)
 
 
 def _ball(directions: Floats, reach: Floats) -> tuple[Collision, float]:
@@ -141,7 +140,7 @@ def _ball(directions: Floats, reach: Floats) -> tuple[Collision, float]:
         f"a ball of radius {1000.0 * radius:.2f} mm, off by at most {1000.0 * off:.2f} mm up to "
         f"{math.degrees(LEAN):.0f} deg of lean"
     )
-    ball = Collision("", "sphere", (radius,), (x, y, z), note=note)
+    ball = Collision("sphere", (radius,), (x, y, z), note=note)
     return ball, off if radius > 0.0 else math.inf
 
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError, suggestion
+from lutgen.parts import parents_first
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
 from lutgen.urdf.xml import LARGEST
 
@@ -155,22 +156,20 @@ def _leaders(
     """
     joints = {joint.name: joint for joint in robot.joints}
     result: dict[str, tuple[UrdfJoint, float, float]] = {}
-    for joint in robot.joints:
-        followers = []
-        here = joint
-        while here.mimic is not None and here.name not in result:
-            followers.append((here.name, here.mimic))
-            here = joints[here.mimic.joint]
-        result.setdefault(here.name, (here, 1.0, 0.0))
-        for name, mimic in reversed(followers):
-            leader, scale, offset = result[mimic.joint]
-            scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
-            if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
-                raise RecipeError(
-                    f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
-                    f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
-                )
-            result[name] = leader, scale, offset
+    masters = {one.name: one.mimic.joint if one.mimic else None for one in robot.joints}
+    for name in parents_first(masters)[0]:
+        mimic = joints[name].mimic
+        if mimic is None:
+            result[name] = joints[name], 1.0, 0.0
+            continue
+        leader, scale, offset = result[mimic.joint]
+        scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
+        if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
+            raise RecipeError(
+                f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
+                f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
+            )
+        result[name] = leader, scale, offset
     coupled = {name: couple for couple in couples for name in couple.joints}
     for name, (leader, scale, offset) in result.items():
         if leader.name in coupled:

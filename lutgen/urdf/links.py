@@ -3,7 +3,6 @@
 One conversion for recipes that name a description and for recipes written from one.
 """
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -100,13 +99,8 @@ def carried(
 
 def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:
     """Return the com (3,) in the frame of the root, whose origin it is without any mass."""
-    total = math.fsum(link.mass for link in robot.links)
-    com = np.zeros(3)
-    for link in robot.links:
-        if link.mass > 0.0:
-            turn, origin = where[link.name]
-            com += link.mass / total * (origin + turn @ link.com)
-    return com
+    mass, moment = carried(robot, where)
+    return moment[robot.root] / (mass[robot.root] or 1.0)
 
 
 def _moved(joint: UrdfJoint, value: float) -> Place:

@@ -6,17 +6,19 @@ compiled model.  A body is a link; a body with several joints is a chain of link
 
 import os
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from lutgen import bounds
 from lutgen.errors import InputError, RecipeError
 from lutgen.rotation import angles
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
+from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Floats
 
 # Shapes by MuJoCo's numbers of geoms; lengths are halves there.
@@ -27,12 +29,20 @@ FREE, BALL, SLIDE, HINGE = range(4)
 EQUAL_JOINTS = 2
 
 
-@dataclass(frozen=True)
-class Mjcf:
+class Mjcf(NamedTuple):
     """A robot of MuJoCo's format: its description, and the corners (n, 3) of its meshes by name."""
 
     robot: UrdfRobot
     meshes: dict[str, Floats]
+
+
+def is_mjcf(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file is XML whose root is <mujoco>."""
+    source = os.fspath(path)
+    try:
+        return parse_xml(bounds.read(source, bounds.URDF_BYTES), source).tag == "mujoco"
+    except RecipeError:
+        return False
 
 
 def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
@@ -152,8 +162,9 @@ class _Reader:
         ref = float(model.qpos0[model.jnt_qposadr[j]])
         moves = "prismatic" if kind == SLIDE else "revolute" if limited else "continuous"
         ends = {"lower": low - ref, "upper": high - ref} if limited else {}
-        driven = {int(model.actuator_trnid[a, 0]) for a in range(model.nu)}
-        effort = 0.0 if driven and j not in driven else None
+        # What tendons and others drive is not said by joint.
+        by_joint = model.nu and (model.actuator_trntype <= 1).all()
+        effort = 0.0 if by_joint and j not in model.actuator_trnid[:, 0] else None
         axis = as_vector(np.array(model.jnt_axis[j]))
         return UrdfJoint(
             self.name("joint", j), moves, parent, child, axis=axis, effort=effort, **ends
@@ -192,7 +203,7 @@ class _Reader:
         """Return a geom as a collision shape."""
         model, kind = self.model, int(self.model.geom_type[g])
         place = as_vector(model.geom_pos[g] - shift), angles(_matrix(model.geom_quat[g]))
-        name, (a, b, c) = self.name("geom", g), model.geom_size[g].tolist()
+        a, b, c = model.geom_size[g].tolist()
         sizes: dict[int, tuple[float, ...]] = {
             SPHERE: (a,),
             CAPSULE: (a, 2.0 * b),
@@ -204,9 +215,9 @@ class _Reader:
             file, first = self.name("mesh", mesh), model.mesh_vertadr[mesh]
             vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
             self.meshes[file] = np.array(vertices, np.float64)
-            return Collision(name, "mesh", (), *place, file, (1.0, 1.0, 1.0))
+            return Collision("mesh", (), *place, file, (1.0, 1.0, 1.0))
         note = "" if kind in sizes else f"a geom of kind {KINDS[kind]!r} is not understood"
-        return Collision(name, KINDS[kind], sizes.get(kind, ()), *place, note=note)
+        return Collision(KINDS[kind], sizes.get(kind, ()), *place, note=note)
 
 
 def _matrix(quaternion: Floats) -> Floats:

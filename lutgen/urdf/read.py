@@ -18,7 +18,7 @@ from lutgen.parts import parents_first
 from lutgen.rotation import angles, axis_rotation
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
-from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, read_bytes, short_enough
+from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
 from lutgen.vector import Vector
 
 MAX_LINKS = bounds.LINKS.most
@@ -56,7 +56,7 @@ FORMAT = {
 def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
     """Read a URDF file of at most 16 MiB; a file with any fault raises RecipeError."""
     source = os.fspath(path)
-    return parse_urdf(read_bytes(source), source)
+    return parse_urdf(bounds.read(source, bounds.URDF_BYTES), source)
 
 
 def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
@@ -66,7 +66,8 @@ def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
     """
     # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
     raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content
-    return _Reader(source).robot(parse_xml(short_enough(raw, source), source))
+    raw = bounds.short_enough(raw, source, bounds.URDF_BYTES)
+    return _Reader(source).robot(parse_xml(raw, source))
 
 
 class _Reader(Elements):
@@ -170,11 +171,11 @@ class _Reader(Elements):
         geometry = self.only(element, "geometry", where)
         shape = next(iter(geometry), None) if geometry is not None else None
         kind = shape.tag if shape is not None else "nothing"
-        name, placed = element.get("name", ""), self.placement(element, where)
+        placed = self.placement(element, where)
         if shape is not None and kind == "mesh":
             # No number of a mesh that may not be needed is a reason to refuse the robot.
             file, scale = shape.get("filename", ""), floats(shape.get("scale", "1 1 1"))
-            return Collision(name, kind, (), *placed, file, scale)
+            return Collision(kind, (), *placed, file, scale)
         size: tuple[float, ...] = ()
         if shape is not None and kind == "box":
             size = self.vector(shape, "size", where)
@@ -183,7 +184,7 @@ class _Reader(Elements):
         if min(size, default=0.0) < 0.0:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
         note = "" if size else f"a shape of kind {kind!r} is not understood"
-        return Collision(name, kind, size, *placed, note=note)
+        return Collision(kind, size, *placed, note=note)
 
     def joint(self, element: Element) -> UrdfJoint:
         """Read a <joint>."""

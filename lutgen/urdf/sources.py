@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
 
-from lutgen.errors import InputError, RecipeError, unreadable
+from lutgen import bounds
+from lutgen.errors import InputError, RecipeError
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.xml import parse_xml
@@ -77,7 +78,9 @@ class Sources:
     def _candidates(self, name: str) -> Iterator[Path]:
         """Yield the folders that are the package, the likeliest first."""
         for entry in _entries("ROS_PACKAGE_PATH"):
-            yield from (folder for folder in _down(entry, DEPTH) if _is_package(folder, name))
+            for depth in range(DEPTH + 1):
+                files = sorted(entry.glob("*/" * depth + "package.xml"))
+                yield from (file.parent for file in files if _is_package(file.parent, name))
         for prefix in _entries("AMENT_PREFIX_PATH"):
             if (prefix / "share" / name).is_dir():
                 yield prefix / "share" / name
@@ -92,23 +95,6 @@ class Sources:
 def _entries(variable: str) -> list[Path]:
     """Return the folders of an environment variable."""
     return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
-
-
-def _down(folder: Path, levels: int) -> Iterator[Path]:
-    """Yield a folder and those below it, none inside of a package."""
-    yield folder
-    if levels and not (folder / "package.xml").exists():
-        for below in _listed(folder):
-            if below.is_dir() and below.name[0] != ".":
-                yield from _down(below, levels - 1)
-
-
-def _listed(folder: Path) -> list[Path]:
-    """Return what is in a folder in order of names; nothing if it cannot be read."""
-    try:
-        return sorted(folder.iterdir())
-    except (OSError, ValueError):
-        return []
 
 
 def _is_package(folder: Path, name: str) -> bool:
@@ -131,7 +117,7 @@ def _other_case(path: Path) -> Path | None:
     if path.parent == path or (parent := _other_case(path.parent)) is None:
         return None
     wanted = path.name.casefold()
-    return next((one for one in _listed(parent) if one.name.casefold() == wanted), None)
+    return next((one for one in sorted(parent.glob("*")) if one.name.casefold() == wanted), None)
 
 
 def load_xacro(
@@ -146,23 +132,55 @@ def load_xacro(
     RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
     """
     source = os.fspath(path)
-    try:
-        text = Path(source).read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        raise unreadable(source, error) from error
+    text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
     other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
     if other:
         raise RecipeError(
             f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
             "xacro: before its elements."
         )
+    try:
+        import xacro
+        from xacrodoc import XacroDoc
+        from xacrodoc import packages as finder
+    except ImportError:
+        raise InputError(
+            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
+            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
+        ) from None
     found: dict[str, Path] = dict(packages or {})
-    known = Sources(Path(source).parent, packages or {})
+    known = Sources(Path(source).parent, found.copy())
     # Which packages are needed shows while the file is expanded: once more for each.
     while True:
-        missing, expanded = _expanded(source, text, found, arguments or {})
-        if missing is None:
+        try:
+            # What an earlier file found is forgotten.
+            finder.reset()
+            finder.update_package_cache(found)
+            # Includes are relative to the file that has them.
+            xacro.init_stacks(str(Path(source).absolute()))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                document = XacroDoc.from_string(
+                    text,
+                    subargs=dict(arguments or {}),
+                    resolve_packages=False,
+                    rootdir=Path(source).parent,
+                )
+                # Names of meshes keep what they begin with: no package of theirs is needed.
+                expanded = document.to_urdf_string(use_protocols=True)
             return parse_urdf(expanded, source)
+        except RecipeError:
+            raise
+        except Exception as error:
+            # The expressions of a file can fail in any way that Python can.
+            cause: BaseException | None = error
+            while cause is not None and not isinstance(cause, finder.PackageNotFoundError):
+                cause = cause.__context__
+            if cause is None:
+                raise RecipeError(
+                    f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
+                ) from None
+            missing = str(cause.args[0])
         folder = known.package(missing) if missing not in found else None
         if folder is None:
             raise RecipeError(
@@ -171,46 +189,6 @@ def load_xacro(
                 f"--package {missing}=FOLDER."
             )
         found[missing] = folder
-
-
-def _expanded(
-    source: str, text: str, folders: Mapping[str, Path], arguments: Mapping[str, str]
-) -> tuple[str | None, str]:
-    """Return None and the expanded text, or the name of a package that is missing."""
-    try:
-        import xacro
-        from xacrodoc import XacroDoc, packages
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
-            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
-        ) from None
-    try:
-        # What an earlier file found is forgotten.
-        packages.reset()
-        packages.update_package_cache(folders)
-        # Includes are relative to the file that has them.
-        xacro.init_stacks(str(Path(source).absolute()))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            document = XacroDoc.from_string(
-                text,
-                subargs=dict(arguments),
-                resolve_packages=False,
-                rootdir=Path(source).parent,
-            )
-            # Names of meshes keep what they begin with: no package of theirs is needed.
-            return None, document.to_urdf_string(use_protocols=True)
-    except Exception as error:
-        # The expressions of a file can fail in any way that Python can.
-        cause: BaseException | None = error
-        while cause is not None:
-            if isinstance(cause, packages.PackageNotFoundError):
-                return str(cause.args[0]), ""
-            cause = cause.__context__
-        raise RecipeError(
-            f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
-        ) from None
 
 
 def quoted(error: Exception) -> str:

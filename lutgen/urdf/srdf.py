@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+from lutgen import bounds
 from lutgen.errors import InputError, RecipeError, suggestion
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.xml import LARGEST, floats, parse_xml, read_bytes
+from lutgen.urdf.xml import LARGEST, floats, parse_xml
 
 # Names of postures in which robots stand, the likeliest first.
 STANDING = (
@@ -60,7 +61,7 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
     that is no number of at most 1e12.
     """
     source = os.fspath(path)
-    root = parse_xml(read_bytes(source), source)
+    root = parse_xml(bounds.read(source, bounds.URDF_BYTES), source)
     if root.tag != "robot":
         raise RecipeError(
             f"{source}: root element is not <robot> (got {root.tag!r}); give an SRDF."
@@ -164,7 +165,7 @@ def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:
     for group in root.iterfind("group"):
         if name := group.get("name", "").strip():
             parts.setdefault(name, []).extend(group)
-    above = {joint.child: joint for joint in robot.joints}
+    above = robot.above
     result = {}
     for name in parts:
         # A group that is met twice adds nothing.

@@ -5,39 +5,18 @@ names a file.  Tags keep their namespace prefix as written.
 """
 
 import math
-from pathlib import Path
 from typing import NoReturn
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, unreadable
+from lutgen.errors import RecipeError
 from lutgen.vector import Vector
 
-MAX_BYTES = bounds.URDF_BYTES.most
 MAX_DEPTH = 100
 MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
 LARGEST = float(bounds.MAGNITUDE.most)
-
-
-def read_bytes(source: str) -> bytes:
-    """Return the bytes of a description of at most 16 MiB, or refuse it with RecipeError."""
-    try:
-        with Path(source).open("rb") as file:
-            return short_enough(file.read(MAX_BYTES + 1), source)
-    except OSError as error:
-        raise unreadable(source, error) from error
-
-
-def short_enough(raw: bytes, source: str) -> bytes:
-    """Return bytes, or refuse too many of them."""
-    if len(raw) > MAX_BYTES:
-        raise RecipeError(
-            f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); "
-            "remove what does not describe the robot."
-        )
-    return raw
 
 
 def parse_xml(content: bytes, source: str) -> Element:

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.metrics import axis_force_angle, force_angle
-from lutgen.analysis.stance import Posture
-from lutgen.analysis.tilt import tilted
+from lutgen.analysis.posture import Posture
 from lutgen.chart import unit_directions
 from tests.fixtures.recipes import feet, rigid, rover, without_limits
 
@@ -21,6 +20,7 @@ Floats = NDArray[np.float64]
 CORNERS = [(0, 0), (0, 2), (1, 2), (1, 0)]
 EDGES = [("P1", "P2"), ("P2", "P3"), ("P3", "P4"), ("P4", "P1")]
 WEIGHT = 9.81
+CHANNELS = ("tip_angle", "margin", "energy_margin")
 COMS = {
     0.2: (
         (0.2, 1.3, 0.8, 0.7),
@@ -99,21 +99,9 @@ def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation() -> None:
     # The other edges keep their values: a measure that is 0 everywhere would not.
     expected = [WEIGHT * d * math.atan(d) for d in (1.3, 1.0, 0.7)]
     assert np.abs(each[:, 1:] - expected).max() < 1e-12
-    # An arc cosine in place of this form gives NaN, in 18 % of rotations.
-    edge = (stop - points)[:, 0] / 2.0
-    arm = points[:, 0] - (points[:, 0] * edge).sum(axis=1, keepdims=True) * edge
-    unit = force / np.linalg.norm(force, axis=1, keepdims=True)
-    cosine = (unit * arm / np.linalg.norm(arm, axis=1, keepdims=True)).sum(axis=1)
-    assert (np.abs(cosine) > 1.0).mean() > 0.05
-
-
-def test_every_channel_agrees_that_a_com_over_an_edge_is_at_the_limit() -> None:
-    turns = Rotation.random(2_000, random_state=9).as_matrix()
-    corners = np.array([(x, y - 0.7, -1.0) for x, y in CORNERS])
-    names = ("tip_angle", "margin", "energy_margin")
-    for turn in turns:
-        found = lutgen.stability(corners @ turn.T, [turn @ (0.0, 0.0, -1.0)], names)
-        for name in names:
+    for turn in turns[:200]:
+        found = lutgen.stability(corners @ turn.T, [turn @ (0.0, 0.0, -1.0)], CHANNELS)
+        for name in CHANNELS:
             assert abs(found[name][0, 0]) < 1e-14, name
 
 
@@ -128,15 +116,6 @@ def test_its_sign_is_the_verdict_in_convex_regions_and_others() -> None:
         assert 0.05 < stands.mean() < 0.95
     product = found["tip_angle"][0] * np.abs(found["margin"][0])
     assert measure == pytest.approx(product, abs=1e-15)
-
-
-def test_on_a_level_axis_it_is_the_product_of_tip_angle_and_margin() -> None:
-    recipe = polygon(0.5, 1.0)
-    down = tilted(np.radians([0.0, 10.0, 20.0, 30.0]), math.pi)
-    found = lutgen.evaluate(recipe, [[]], down, ("tip_angle", "margin"))
-    product = found["tip_angle"][0] * np.abs(found["margin"][0])
-    assert measured(Posture(recipe, []), down) == pytest.approx(product, abs=1e-14)
-    assert product[3] < 0.0 < product[2]
 
 
 def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure() -> None:

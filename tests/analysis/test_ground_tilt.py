@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.ground_tilt import ground_limits, ground_tilt
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.ground_tilt import ground_tilt
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
@@ -125,7 +125,7 @@ def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_the
     assert tilt_limits(rocks.posture.recipe, [], ahead, "plane") == pytest.approx([tip] * 2)
     # A com that is not known exactly is not followed onto the nose.
     ball = dataclasses.replace(rocks.posture.recipe, com_uncertainty=0.001)
-    assert leaves - 0.003 < ground_limits(ball, [[]], ahead)[0].min() < leaves
+    assert leaves - 0.003 < ground_tilt(Posture(ball, [])).limits(ahead).min() < leaves
 
 
 def test_a_sledge_that_its_nose_does_not_hold_tips_where_it_leaves_its_flat() -> None:

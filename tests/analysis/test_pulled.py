@@ -1,7 +1,5 @@
 """Slopes, friction and metrics of a robot that something pulls at."""
 
-import math
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,9 +7,8 @@ from numpy.typing import NDArray
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.metrics import compare_metrics
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.sliding import slides_first, slopes
-from lutgen.analysis.stance import Posture
-from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
 from tests.fixtures.pulled import BOX, LEVEL, moving, pull, robot
 from tests.fixtures.recipes import feet, tripod
 
@@ -43,14 +40,3 @@ def test_what_knows_the_weight_alone_refuses_forces() -> None:
         compare_metrics(Posture(pulled, []), LEVEL)
     with pytest.raises(lutgen.InputError, match="metrics are those of one com"):
         compare_metrics(Posture(uncertain, []), LEVEL)
-
-
-def test_braking_and_turning_shift_gravity_and_free_fall_is_refused() -> None:
-    assert gravito_inertial(LEVEL, [0, 0, 0]).tolist() == LEVEL
-    tan = 3.0 / STANDARD_GRAVITY
-    felt = gravito_inertial(LEVEL, [0, -3.0, 0])
-    assert felt[1] / -felt[2] == pytest.approx(tan)
-    with pytest.raises(lutgen.InputError, match="free fall"):
-        gravito_inertial(LEVEL, [0, 0, -STANDARD_GRAVITY])
-    with pytest.raises(lutgen.InputError, match="three finite numbers"):
-        gravito_inertial(LEVEL, [0, math.nan, 0])

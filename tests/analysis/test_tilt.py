@@ -8,8 +8,7 @@ import pytest
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground import gravity_transform
-from lutgen.analysis.sliding import slide_limits
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
 from lutgen.channels.evaluation import evaluate_each
@@ -36,16 +35,9 @@ def box(head: str = "friction = 0.7", unit: str = "m", scale: float = 1.0) -> Re
     return parse_recipe(rigid(feet(corners), head=head, unit=unit))
 
 
-def nodes(recipe: Recipe) -> np.ndarray:
-    """Return the postures of a recipe's sweep."""
-    return recipe.grid.params(np.arange(recipe.grid.size))
-
-
-# One posture
-
-
-@pytest.mark.parametrize("convention", CONVENTIONS)
-@pytest.mark.parametrize(("unit", "scale"), [("m", 1.0), ("mm", 1000.0), ("1", 3.0)])
+@pytest.mark.parametrize(
+    ("convention", "unit", "scale"), [("body", "m", 1.0), ("plane", "mm", 1000.0)]
+)
 def test_a_box_tips_where_its_com_passes_the_edge(convention: str, unit: str, scale: float) -> None:
     found = posture_limits(Posture(box(unit=unit, scale=scale), []), convention)
     reaches = {
@@ -68,24 +60,21 @@ def test_a_box_tips_where_its_com_passes_the_edge(convention: str, unit: str, sc
     assert found.worst.slides is False
 
 
-@pytest.mark.parametrize("turn", [0.1, 0.7, 2.0, -2.9])
-def test_the_worst_heading_points_at_the_nearest_edge(turn: float) -> None:
-    cos, sin = math.cos(turn), math.sin(turn)
-    corners = [(cos * x - sin * y, sin * x + cos * y, z) for x, y, z in CORNERS]
-    recipe = parse_recipe(rigid(feet(corners)))
-    expected = math.remainder(turn - math.pi / 2.0, 2.0 * math.pi)
+def test_the_worst_heading_points_at_the_nearest_edge_or_of_equal_ones_nearest_the_nose() -> None:
+    def worst(corners: list[tuple[float, float, float]]) -> float:
+        return worst_heading(Posture(parse_recipe(rigid(feet(corners))), []))
+
     # The circle of headings is divided until its pieces are 1e-6 rad.
-    assert worst_heading(Posture(recipe, [])) == pytest.approx(expected, abs=1e-6)
-
-
-def test_of_equally_bad_headings_the_one_nearest_the_nose_and_on_the_left_counts() -> None:
+    for turn in (0.7, -2.9):
+        cos, sin = math.cos(turn), math.sin(turn)
+        expected = math.remainder(turn - math.pi / 2.0, 2.0 * math.pi)
+        corners = [(cos * x - sin * y, sin * x + cos * y, z) for x, y, z in CORNERS]
+        assert worst(corners) == pytest.approx(expected, abs=1e-6)
     square = [(0.3, 0.3, -0.5), (-0.3, 0.3, -0.5), (-0.3, -0.3, -0.5), (0.3, -0.3, -0.5)]
-    assert worst_heading(Posture(parse_recipe(rigid(feet(square))), [])) == pytest.approx(
-        0.0, abs=1e-6
-    )
+    assert worst(square) == pytest.approx(0.0, abs=1e-6)
+    # On the left first.
     diamond = [(0.4, 0.0, -0.5), (0.0, 0.4, -0.5), (-0.4, 0.0, -0.5), (0.0, -0.4, -0.5)]
-    found = worst_heading(Posture(parse_recipe(rigid(feet(diamond))), []))
-    assert found == pytest.approx(math.pi / 4.0, abs=1e-6)
+    assert worst(diamond) == pytest.approx(math.pi / 4.0, abs=1e-6)
 
 
 def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> None:
@@ -101,58 +90,20 @@ def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> No
     assert math.isnan(found.worst.heading)
 
 
-def random_postures() -> list[tuple[str, Recipe, np.ndarray]]:
-    """Return robots of points and of discs with postures all over their ranges."""
-    random = np.random.default_rng(11)
-    robots = [("tripod", parse_recipe(tripod())), ("rover", parse_recipe(rover()))]
-    robots.append(("absolem", lutgen.load_recipe(MAPS / "absolem.toml")))
-    return [
-        (
-            name,
-            robot,
-            random.uniform(
-                [p.minimum for p in robot.parameters],
-                [p.maximum for p in robot.parameters],
-                (part(8, 2), k),
-            ),
-        )
-        for name, robot in robots
-        for k in [len(robot.parameters)]
-    ]
-
-
-@pytest.mark.parametrize(
-    ("robot", "rows"), [case[1:] for case in random_postures()], ids=["tripod", "rover", "absolem"]
-)
 @pytest.mark.parametrize("convention", CONVENTIONS)
-def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(
-    robot: Recipe, rows: np.ndarray, convention: str
-) -> None:
-    fine = np.linspace(-math.pi, math.pi, 1441)
-    standing = 0
-    for posture in rows:
-        found = posture_limits(Posture(robot, posture), convention)
-        tilts = tilt_limits(robot, posture, fine, convention)
-        # The walk itself knows its limits to 1e-13 rad.
-        assert tilts.min() >= found.guaranteed - 1e-12
-        assert found.worst.tilt - found.guaranteed < math.radians(1e-3)
-        assert found.worst.tilt <= tilts.min() + 1e-9
-        standing += found.guaranteed > 0.05
+def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(convention: str) -> None:
+    random, fine, standing = np.random.default_rng(11), np.linspace(-math.pi, math.pi, 1441), 0
+    for robot in (parse_recipe(rover()), lutgen.load_recipe(MAPS / "absolem.toml")):
+        low, high = ([getattr(p, end) for p in robot.parameters] for end in ("minimum", "maximum"))
+        for posture in random.uniform(low, high, (part(8, 2), len(low))):
+            found = posture_limits(Posture(robot, posture), convention)
+            tilts = tilt_limits(robot, posture, fine, convention)
+            # The walk itself knows its limits to 1e-13 rad.
+            assert tilts.min() >= found.guaranteed - 1e-12
+            assert found.worst.tilt - found.guaranteed < math.radians(1e-3)
+            assert found.worst.tilt <= tilts.min() + 1e-9
+            standing += found.guaranteed > 0.05
     assert standing >= 3
-
-
-@pytest.mark.parametrize("convention", CONVENTIONS)
-def test_many_postures_at_once_have_the_limits_of_each_alone(convention: str) -> None:
-    robot = parse_recipe(rover())
-    rows, headings = nodes(robot), np.radians([0.0, 33.0, 90.0, 200.0])
-    together = tilt_limits(robot, rows, headings, convention)
-    assert together.shape == (len(rows), 4)
-    alone = [tilt_limits(robot, row, headings, convention) for row in rows]
-    np.testing.assert_array_equal(together, alone)
-    np.testing.assert_array_equal(
-        level_limits(robot, rows, convention),
-        [posture_limits(Posture(robot, row), convention).guaranteed for row in rows],
-    )
 
 
 def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
@@ -174,59 +125,24 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
     assert both[1] - both[0] > 0.1
 
 
-# Sliding
-
-
-def test_a_level_robot_slides_at_the_angle_of_friction() -> None:
-    found = slide_limits(Posture(box(), []), np.linspace(0.0, 6.0, 7))
-    np.testing.assert_allclose(found, math.atan(0.7), atol=1e-12)
-
-
-def test_a_body_that_leans_slides_earlier_on_the_side_that_it_leans_to() -> None:
-    lean = math.radians(10.0)
-    turned = [
-        (x * math.cos(lean) - z * math.sin(lean), y, x * math.sin(lean) + z * math.cos(lean))
-        for x, y, z in CORNERS
-    ]
-    recipe = parse_recipe(rigid(feet(turned), head="friction = 0.7"))
-    found = slide_limits(Posture(recipe, []), [0.0, math.pi], "body")
-    slope = math.atan(0.7)
-    # The facet's outward normal is 10 deg ahead of straight down.
-    np.testing.assert_allclose(found, [slope + lean, slope - lean], atol=1e-12)
-    for heading, tilt in zip((0.0, math.pi), found, strict=True):
-        states = [
-            diagnose(Posture(recipe, []), tilted(tilt + d, heading)).slides for d in (-1e-9, 1e-9)
-        ]
-        assert states == [False, True]
-    ground = slide_limits(Posture(recipe, []), [0.0, math.pi], "plane")
-    np.testing.assert_allclose(ground, slope, atol=1e-12)
-
-
-# All postures
-
-
 @pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "discs with gaps"])
-@pytest.mark.parametrize("convention", CONVENTIONS)
-def test_limits_over_all_postures_are_those_of_a_double_loop(text: str, convention: str) -> None:
-    robot = parse_recipe(text)
-    headings = even_headings(12)
-    found = sweep_limits(robot, nodes(robot), headings, convention)
+def test_limits_over_all_postures_are_those_of_a_double_loop(text: str) -> None:
+    robot, headings = parse_recipe(text), even_headings(8)
+    rows = robot.grid.params(np.arange(robot.grid.size))
+    found = sweep_limits(robot, rows, headings)
     every = np.array(
-        [
-            [tilt_limits(robot, row, [psi], convention)[0] for psi in headings]
-            for row in nodes(robot)
-        ]
+        [[tilt_limits(robot, row, [psi], "plane")[0] for psi in headings] for row in rows]
     )
+    np.testing.assert_array_equal(tilt_limits(robot, rows, headings, "plane"), every)
     np.testing.assert_allclose(found.least, every.min(axis=0), atol=1e-12)
     np.testing.assert_allclose(found.most, every.max(axis=0), atol=1e-12)
-    across = np.arange(12)
+    across = np.arange(8)
     np.testing.assert_allclose(every[found.least_at, across], found.least, atol=1e-12)
     np.testing.assert_allclose(every[found.most_at, across], found.most, atol=1e-12)
     assert (found.most - found.least).max() > 0.02
-    alone = [posture_limits(Posture(robot, row), convention).guaranteed for row in nodes(robot)]
-    assert found.guaranteed.tolist() == alone
-    assert found.weakest == int(np.argmin(alone))
-    assert found.strongest == int(np.argmax(alone))
+    alone = [posture_limits(Posture(robot, row)).guaranteed for row in rows]
+    assert found.guaranteed.tolist() == alone == level_limits(robot, rows, "plane").tolist()
+    assert (found.weakest, found.strongest) == (int(np.argmin(alone)), int(np.argmax(alone)))
 
 
 def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused() -> None:

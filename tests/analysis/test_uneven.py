@@ -57,35 +57,28 @@ def faults(points: Floats, normals: Floats, mu: Floats, com: Floats, found: Equi
     )
 
 
-@pytest.mark.parametrize("height", [-2.0, 0.0, 5.0])
-def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width(height: float) -> None:
+def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width() -> None:
     # Of a foot on a 45 deg wall with mu = 1/2, the cone in the ditch's plane has the edges
     # (1, 1) + (1, -1) / 2 = (3, 1) / 2 and (1, 1) - (1, -1) / 2 = (1, 3) / 2: a force (H, V)
     # towards the middle has H / 3 <= V <= 3 H.  Both feet push with the same H, and V + V' = 1.
     # The com at x needs V' - V = x, so V' = (1 + x) / 2 <= 3 H and V = (1 - x) / 2 >= H / 3.
     # H can be chosen if (1 + x) / 6 <= 3 (1 - x) / 2, that is 10 x <= 8.  The height drops out.
-    found = equilibrium(DITCH, WALLS, 0.5, [0.3, 0.0, height])
-    assert found.holds is True
-    assert same_set(found.region, np.array([[-0.8, 0.0], [0.8, 0.0]]), EXACT)
-    assert found.margin == 0.0
-    assert not found.is_open
-    for x in (-0.8, 0.8):
-        assert equilibrium(DITCH, WALLS, 0.5, [x, 0.0, height]).holds is True
+    for height in (-2.0, 5.0):
+        found = equilibrium(DITCH, WALLS, 0.5, [0.3, 0.0, height])
+        assert found.holds is True
+        assert same_set(found.region, np.array([[-0.8, 0.0], [0.8, 0.0]]), EXACT)
+        assert (found.margin, found.is_open) == (0.0, False)
         # A pyramid of 256 sides around a cone is wider by 7.5e-5: within that it is undecided.
-        assert equilibrium(DITCH, WALLS, 0.5, [1.001 * x, 0.0, height]).holds is False
-    assert equilibrium(DITCH, WALLS, 0.5, [0.0, 0.01, height]).holds is False
-
-
-def test_at_the_limit_of_friction_it_is_undecided_only_within_the_pyramids_width() -> None:
-    assert equilibrium(DITCH, WALLS, 0.5, [0.80001, 0.0, 0.0]).holds is None
-    assert equilibrium(DITCH, WALLS, 0.5, [0.80001, 0.0, 0.0]).forces is None
+        for x, y, holds in ((-0.8, 0.0, True), (0.80001, 0.0, None), (0.8008, 0.0, False)):
+            assert equilibrium(DITCH, WALLS, 0.5, [x, y, height]).holds is holds
+        assert equilibrium(DITCH, WALLS, 0.5, [0.0, 0.01, height]).holds is False
 
 
 def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane() -> None:
     rng = np.random.default_rng(3)
     feet = np.vstack([SQUARE, [[0.2, 0.1, 0.0]]])
     seen = set()
-    for _ in range(25):
+    for _ in range(20):
         com = np.array([*rng.uniform(-1.5, 1.5, 2), 0.7])
         tilt, heading = rng.uniform(0.0, 0.8), rng.uniform(0.0, 6.3)
         down = [math.sin(tilt) * math.cos(heading), math.sin(tilt) * math.sin(heading)]
@@ -112,14 +105,15 @@ def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane() -> None:
             assert found.region.shape == (0, 2)
             assert found.margin == -math.inf
     assert len(seen) == 4
-
-
-def test_on_level_ground_the_region_is_the_square_and_the_margin_a_distance() -> None:
-    found = equilibrium(SQUARE, FLAT, 0.0, [0.7, 0.0, 1.0])
-    assert same_set(found.region, SQUARE[:, :2], EXACT)
-    assert found.margin == pytest.approx(0.3, abs=EXACT)
-    assert equilibrium(SQUARE, FLAT, 0.0, [4.0, 5.0, 1.0]).margin == pytest.approx(-5.0, abs=EXACT)
-    np.testing.assert_array_equal(found.axes, np.eye(3)[:2])
+    # Without friction a slope holds nothing, and four feet share a weight evenly, and no better.
+    level = equilibrium(SQUARE, FLAT, 0.0, [0.7, 0.0, 1.0])
+    assert level.margin == pytest.approx(0.3, abs=EXACT)
+    np.testing.assert_array_equal(level.axes, np.eye(3)[:2])
+    even = equilibrium(SQUARE, FLAT, 0.5, [0.0, 0.0, 1.0])
+    assert even.forces is not None
+    assert even.forces[:, 2] == pytest.approx([0.25] * 4, abs=1e-6)
+    steep = equilibrium(SQUARE, np.tile([0.1, 0.0, 1.0], (4, 1)), 0.0, [0.0, 0.0, 1.0])
+    assert (steep.holds, len(steep.region), steep.margin) == (False, 0, -math.inf)
 
 
 def test_one_foot_holds_a_com_above_it_and_none_beside_it() -> None:
@@ -144,31 +138,6 @@ def test_on_level_treads_of_a_stair_no_friction_is_needed_between_the_feet() -> 
         if found.forces is not None:
             # The lever's shares.
             assert found.forces[:, 2] == pytest.approx([1.0 - x, x], abs=1e-6)
-
-
-def test_without_friction_a_slope_holds_nothing() -> None:
-    steep = np.tile([0.1, 0.0, 1.0], (4, 1))
-    found = equilibrium(SQUARE, steep, 0.0, [0.0, 0.0, 1.0])
-    assert found.holds is False
-    assert found.region.shape == (0, 2)
-    assert found.margin == -math.inf
-    assert equilibrium(SQUARE, steep, 0.11, [0.0, 0.0, 1.0]).holds is True
-
-
-def test_between_two_walls_the_region_is_open() -> None:
-    walls = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]
-    found = equilibrium(DITCH, walls, 0.5, [7.0, 0.0, 0.0])
-    assert found.is_open
-    # Pressed apart hard enough, the feet hold a weight on any arm.
-    assert found.holds is True
-    assert np.abs(found.region).max() == pytest.approx(100.0)
-
-
-def test_the_forces_are_those_of_the_least_largest_normal_force() -> None:
-    # Four feet under a com in their middle can share it evenly, and no better.
-    found = equilibrium(SQUARE, FLAT, 0.5, [0.0, 0.0, 1.0])
-    assert found.forces is not None
-    assert found.forces[:, 2] == pytest.approx([0.25] * 4, abs=1e-6)
 
 
 def nearest(points: Floats, normals: Floats, mu: Floats, com: Floats) -> tuple[Floats, Floats]:
@@ -217,24 +186,26 @@ def test_an_oracle_of_round_cones_agrees_where_it_can_tell() -> None:
     assert min(told.values()) >= part(30) // 5
 
 
-@pytest.mark.parametrize("seed", range(part(5, 2)))
-def test_forces_balance_the_weight_within_their_cones(seed: int) -> None:
-    points, normals, mu, _ = scene(seed, 4)
-    region = equilibrium(points, normals, mu, [0.0, 0.0, 1.0]).region
-    assert len(region) >= 3
-    com = np.array([*region.mean(axis=0), 1.0])
-    found = equilibrium(points, normals, mu, com)
-    assert found.holds is True
-    assert found.margin > 0.0
-    # The tolerance of missing wrench is 1e-7 of weight x size, and sizes are below 4.
-    assert faults(points, normals, mu, com, found) < 1e-6
-    # Every corner holds, and what lies farther out does not: the gap is 1e-4 of the diameter, the
-    # pyramids' 1.2e-3 of the friction moves a side by a multiple of that.
-    for corner in region[:: len(region) // 3]:
-        place = region.mean(axis=0) + 0.999 * (corner - region.mean(axis=0))
-        assert equilibrium(points, normals, mu, [*place, 0.0]).holds is True
-        place = region.mean(axis=0) + 1.1 * (corner - region.mean(axis=0))
-        assert equilibrium(points, normals, mu, [*place, 0.0]).holds is False
+def test_forces_balance_the_weight_within_their_cones_and_the_regions_corners_hold() -> None:
+    for seed in range(part(3, 1)):
+        points, normals, mu, _ = scene(seed, 4)
+        region = equilibrium(points, normals, mu, [0.0, 0.0, 1.0]).region
+        middle = region.mean(axis=0)
+        com = np.array([*middle, 1.0])
+        found = equilibrium(points, normals, mu, com)
+        assert found.holds is True
+        assert found.margin > 0.0
+        # The tolerance of missing wrench is 1e-7 of weight x size, and sizes are below 4.
+        assert faults(points, normals, mu, com, found) < 1e-6
+        # What lies farther out does not hold: the gap is 1e-4 of the diameter, the pyramids' 1.2e-3
+        # of the friction moves a side by a multiple of that.
+        for corner in region[:: len(region) // 2]:
+            for factor, holds in ((0.999, True), (1.1, False)):
+                place = middle + factor * (corner - middle)
+                assert equilibrium(points, normals, mu, [*place, 0.0]).holds is holds
+        # More friction holds more.
+        rough = equilibrium(points, normals, 1.5 * mu, com).region
+        assert (np.ptp(rough, axis=0) > np.ptp(region, axis=0)).all()
 
 
 @settings(max_examples=part(40))
@@ -262,48 +233,25 @@ def test_turning_scaling_and_renaming_change_nothing(seed: int) -> None:
             assert after.margin == before.margin
 
 
-def test_more_friction_never_shrinks_the_region() -> None:
-    points, normals, _, com = scene(5, 4)
-    spans = [np.ptp(equilibrium(points, normals, mu, com).region, axis=0) for mu in (0.6, 0.8, 1.0)]
-    assert (np.diff(spans, axis=0) > -1e-3).all()
-    assert (spans[2] > spans[0]).any()
-
-
-GOOD = {
-    "points": SQUARE,
-    "normals": FLAT,
-    "friction": 0.5,
-    "com": [0.0, 0.0, 1.0],
-    "gravity_dir": DOWN,
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "said"),
-    [
-        ("points", [1.0, 2.0, 3.0], "points must have the shape"),
-        ("points", np.empty((0, 3)), "n >= 1"),
+def test_what_is_wrong_is_said_in_one_sentence() -> None:
+    good = {"points": SQUARE, "normals": FLAT, "friction": 0.5, "com": [0, 0, 1]}
+    for name, value, said in (
+        ("points", np.empty((0, 3)), "points must have the shape (n, 3) with n >= 1"),
         ("points", [[1.0, 2.0], [3.0]], "points must be numbers in rows of equal length"),
-        ("points", "here", "points must be numbers"),
-        ("points", np.full((4, 3), math.nan), "points must be finite"),
-        ("points", np.full((4, 3), 1e200), "below 1e+100"),
+        ("points", np.full((4, 3), 1e200), "points must be finite, and below 1e+100"),
         ("normals", FLAT[:3], "normals must have the shape of points"),
         ("normals", np.zeros((4, 3)), "direction"),
         ("friction", -0.1, "friction must be one number from 0 to 1e"),
+        ("friction", 1e9, "friction must be one number from 0 to 1e"),
         ("friction", [0.5, 0.5], "friction must be one number from 0 to 1e"),
-        ("friction", [0.5, 0.5, 0.5, math.nan], "friction must be finite"),
-        ("friction", math.inf, "friction must be finite"),
+        ("friction", math.nan, "friction must be finite"),
         ("com", [0.0, 1.0], "com must be three numbers"),
-        ("com", [0.0, 1.0, math.inf], "com must be finite"),
         ("gravity_dir", [0.0, 0.0, 0.0], "direction"),
-        ("gravity_dir", [[0.0, 0.0, -1.0]], "gravity_dir must be three numbers"),
-    ],
-)
-def test_what_is_wrong_is_said_in_one_sentence(name: str, value: object, said: str) -> None:
-    with pytest.raises(InputError, match="got") as caught:
-        equilibrium(**(GOOD | {name: value}))  # type: ignore[arg-type]
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value)
+    ):
+        with pytest.raises(InputError, match="got") as caught:
+            equilibrium(**(good | {name: value}))  # type: ignore[arg-type]
+        assert said in str(caught.value)
+        assert "\n" not in str(caught.value)
 
 
 def test_a_com_that_is_held_far_beyond_the_search_has_no_boundary_near() -> None:
@@ -315,8 +263,3 @@ def test_a_com_that_is_held_far_beyond_the_search_has_no_boundary_near() -> None
         assert found.holds
         assert found.is_open
         assert found.margin > 0.0
-
-
-def test_friction_that_is_a_wall_is_refused() -> None:
-    with pytest.raises(InputError, match="from 0 to 1e"):
-        equilibrium([[0, 0, 0]], [[0, 0, 1]], 1e9, [0, 0, 1])

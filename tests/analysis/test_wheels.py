@@ -12,12 +12,11 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
-from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, feet, rigid, tripod
+from tests.fixtures.recipes import feet, rigid, tripod
 
 Floats = NDArray[np.float64]
 LEFT, RIGHT = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
@@ -66,19 +65,8 @@ def test_a_differential_drive_turns_by_the_difference_of_its_wheels() -> None:
     assert speeds(motion) == pytest.approx([2.5, 7.5], abs=ROUNDING)
     assert motion.possible
     assert motion.slip == pytest.approx(0.0, abs=ROUNDING)
-    assert [w.steering for w in motion.wheels] == [None, None]
     assert motion.structure.category == "2 DoF, non-steered"
     assert (motion.structure.mobility, motion.structure.steerability) == (2, 0)
-
-
-def test_an_axle_that_points_the_other_way_only_changes_the_sign_of_its_wheel() -> None:
-    flipped = robot(
-        [(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2)],
-        wheel("P1") + wheel("P2", RIGHT),
-    )
-    assert speeds(wheel_speeds(Posture(flipped, []), (0.5, -0.1), 1.0)) == pytest.approx(
-        [2.5, -7.5]
-    )
 
 
 def test_a_car_steers_by_ackermann() -> None:
@@ -95,177 +83,77 @@ def test_a_car_steers_by_ackermann() -> None:
     assert (motion.structure.mobility, motion.structure.steerability) == (1, 1)
 
 
-def test_a_tricycle_steers_its_one_front_wheel() -> None:
-    points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
-    recipe = robot(points, wheel("P1", extra="steered = true") + wheel("P2") + wheel("P3"))
-    # Reversing round a centre on the rear axle, 1.5 to the right: tan = 1.5 / 1.5.
-    motion = wheel_speeds(Posture(recipe, []), (-1.5, 0.5), 1.0)
-    assert motion.possible
-    assert motion.wheels[0].steering == pytest.approx(-math.pi / 4, abs=ROUNDING)
-    assert speeds(motion) == pytest.approx([-15.0 * math.sqrt(2.0), -20.0, -10.0], rel=ROUNDING)
-    found = motion.structure
-    assert (found.category, found.mobility, found.steerability) == ("2 DoF, steered", 1, 1)
-
-
-def test_three_omniwheels_obey_the_textbook_matrix() -> None:
+def test_omniwheels_and_mecanum_wheels_obey_the_matrices_of_textbooks() -> None:
     angles = np.radians([30.0, 150.0, 270.0])
     inward = [(-math.cos(a), -math.sin(a), 0.0) for a in angles]
     points = [(0.3 * math.cos(a), 0.3 * math.sin(a), -0.2) for a in angles]
-    recipe = robot(
-        points,
-        "".join(wheel(f"P{i}", a, 0.05, "rollers = 0") for i, a in enumerate(inward, 1)),
-    )
+    omni = "".join(wheel(f"P{i}", a, 0.05, "rollers = 0") for i, a in enumerate(inward, 1))
     # Speed = (-sin a vx + cos a vy + L w) / r.
-    matrix = np.stack([-np.sin(angles), np.cos(angles), np.full(3, 0.3)], axis=1) / 0.05
-    for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
-        found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
-        assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
-        assert found.possible
-    assert found.structure.category == "3 DoF, non-steered"
-    assert (found.structure.mobility, found.structure.steerability) == (3, 0)
-
-
-def test_four_mecanum_wheels_obey_the_textbook_matrix() -> None:
-    points = [(0.3, 0.2, -0.1), (0.3, -0.2, -0.1), (-0.3, 0.2, -0.1), (-0.3, -0.2, -0.1)]
-    rollers = (-45, 45, 45, -45)
-    recipe = robot(
-        points,
-        "".join(wheel(f"P{i}", extra=f"rollers = {g}") for i, g in enumerate(rollers, 1)),
-    )
+    omni_matrix = np.stack([-np.sin(angles), np.cos(angles), np.full(3, 0.3)], axis=1) / 0.05
+    box = [(0.3, 0.2, -0.1), (0.3, -0.2, -0.1), (-0.3, 0.2, -0.1), (-0.3, -0.2, -0.1)]
+    rollers = enumerate((-45, 45, 45, -45), 1)
+    mecanum = "".join(wheel(f"P{i}", extra=f"rollers = {g}") for i, g in rollers)
     # Front left, front right, rear left, rear right; half lengths 0.3 + 0.2.
     matrix = np.array([[1, -1, -0.5], [1, 1, 0.5], [1, 1, -0.5], [1, -1, 0.5]]) / 0.1
-    for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
-        found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
-        assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
-        assert found.possible
-    assert found.structure.category == "3 DoF, non-steered"
-
-
-def test_the_paper_s_robot_drives_sideways_to_its_legs() -> None:
-    recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
-    nominal = math.atan(0.6)
-    angles = np.radians([0.0, 120.0, 240.0])
-    # Axles point outward: the opposite of the textbook's signs.
-    matrix = -np.stack([-np.sin(angles), np.cos(angles), np.full(3, 20.0)], axis=1) / 3.0
-    found = wheel_speeds(Posture(recipe, [nominal, nominal]), (2.0, -1.0), 0.3)
-    assert speeds(found) == pytest.approx((matrix @ [2.0, -1.0, 0.3]).tolist(), abs=ROUNDING)
-    assert structure(Posture(recipe, [0.2, 0.8])).category == "3 DoF, non-steered"
+    for recipe, expected in ((robot(points, omni), omni_matrix), (robot(box, mecanum), matrix)):
+        for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
+            found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
+            assert speeds(found) == pytest.approx((expected @ motion).tolist(), abs=ROUNDING)
+            assert found.possible
+            assert found.structure.category == "3 DoF, non-steered"
 
 
 SQUARE = [(0.5, 0.5, -0.4), (-0.5, 0.5, -0.4), (-0.5, -0.5, -0.4), (0.5, -0.5, -0.4)]
 STEERED = "steered = true"
-# Wheels on the corners of a square, from the front left on anticlockwise; what they leave.
-STRUCTURES = {
-    "all steered": ([(LEFT, STEERED)] * 4, "3 DoF, steered", 1, 2),
-    "two steered": ([(LEFT, STEERED)] * 2, "3 DoF, steered", 1, 2),
-    "one steered": ([(LEFT, STEERED)], "3 DoF, steered", 2, 1),
-    "one fixed": ([(LEFT, "")], "2 DoF, non-steered", 2, 0),
-    "one fixed, one steered": ([(LEFT, ""), (LEFT, STEERED)], "2 DoF, steered", 1, 1),
-    "one fixed, one steered beside it": (
-        [((1, 0, 0), ""), (LEFT, STEERED)],
-        "2 DoF, steered",
-        *(2, 0),
-    ),
-    "skid steering": ([(LEFT, "")] * 4, "1 DoF, non-steered", 1, 0),
-    "two that cross": ([((1, 1, 0), ""), ((1, 0, 0), "")], "1 DoF, non-steered", 1, 0),
-    "two that cross, and a steered one": (
-        [((1, 1, 0), ""), ((1, 0, 0), ""), (LEFT, STEERED)],
-        "1 DoF, steered",
-        *(1, 0),
-    ),
-    "three that do not, and a steered one": (
-        [((1, 1, 0), ""), ((1, 0, 0), ""), ((0, 1, 0), ""), (LEFT, STEERED)],
-        "0 DoF, steered",
-        *(0, 0),
-    ),
-    "three that cross in a point": (
-        [((1, 1, 0), ""), ((1, -1, 0), ""), ((1, 1, 0), "")],
-        "1 DoF, non-steered",
-        *(1, 0),
-    ),
-    "three that do not": (
-        [((1, 1, 0), ""), ((1, 0, 0), ""), ((0, 1, 0), "")],
-        "0 DoF, non-steered",
-        *(0, 0),
-    ),
-    "omniwheels": ([((1, 1, 0), "rollers = 0")] * 2, "3 DoF, non-steered", 3, 0),
-}
+ASLANT, ACROSS = (1, 1, 0), (1, 0, 0)
+# Wheels on the corners of a square, from the front left on anticlockwise, and what they leave:
+# degrees of freedom, of mobility and of steerability.
+STRUCTURES = [
+    ([(LEFT, STEERED)] * 4, (3, 1, 2)),
+    ([(LEFT, STEERED)], (3, 2, 1)),
+    ([(LEFT, "")], (2, 2, 0)),
+    ([(LEFT, ""), (LEFT, STEERED)], (2, 1, 1)),
+    # On the axle of the fixed one it can only follow.
+    ([(ACROSS, ""), (LEFT, STEERED)], (2, 2, 0)),
+    ([(LEFT, "")] * 4, (1, 1, 0)),
+    ([(ASLANT, ""), (ACROSS, ""), (LEFT, STEERED)], (1, 1, 0)),
+    # Three axles that cross in a point, and three that do not.
+    ([(ASLANT, ""), ((1, -1, 0), ""), (ASLANT, "")], (1, 1, 0)),
+    ([(ASLANT, ""), (ACROSS, ""), (LEFT, ""), (LEFT, STEERED)], (0, 0, 0)),
+]
 
 
-@pytest.mark.parametrize("name", STRUCTURES)
-def test_the_structure_is_what_the_wheels_leave(name: str) -> None:
-    wheels, category, mobility, steerability = STRUCTURES[name]
-    text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
-    found = structure(Posture(robot(SQUARE, text), []))
-    assert (found.category, found.mobility, found.steerability) == (
-        category,
-        mobility,
-        steerability,
-    )
-    assert found.dof == found.mobility + found.steerability
-    assert found.touching == tuple(f"P{i}" for i in range(1, len(wheels) + 1))
+def test_the_structure_is_what_the_wheels_leave() -> None:
+    for wheels, expected in STRUCTURES:
+        text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
+        found = structure(Posture(robot(SQUARE, text), []))
+        assert (found.dof, found.mobility, found.steerability) == expected
+        assert found.steered is (STEERED in text)
+        assert found.touching == tuple(f"P{i}" for i in range(1, len(wheels) + 1))
+    # The last one cannot move: rest is its nearest motion.
+    motion = wheel_speeds(Posture(robot(SQUARE, text), []), (1.0, 0.0), 0.0)
+    assert (motion.possible, motion.nearest_yaw_rate) == (False, 0.0)
+    assert motion.nearest_velocity == (0.0, 0.0)
 
 
-def test_two_fixed_wheels_turn_about_the_crossing_of_their_axles_only() -> None:
-    points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
-    recipe = robot(points, wheel("P1", (1, 2, 0)) + wheel("P2", LEFT))
-    # Axles: (1, 0) + a (1, 2) and x = -0.5: they cross in (-0.5, -3).
-    about = wheel_speeds(Posture(recipe, []), (-3.0, 0.5), 1.0)
-    assert about.possible
-    # Distances from the crossing: sqrt(1.5^2 + 3^2) and 3.5; both drive backward.
-    expected = [-10.0 * math.hypot(1.5, 3.0), -35.0]
-    assert speeds(about) == pytest.approx(expected, rel=ROUNDING)
-    other = wheel_speeds(Posture(recipe, []), (0.3, 1.0), 0.2)
-    assert not other.possible
-    x, y = other.nearest_velocity
-    assert other.nearest_yaw_rate != 0.0
-    assert (x, y) == pytest.approx(
-        (-3.0 * other.nearest_yaw_rate, 0.5 * other.nearest_yaw_rate), abs=ROUNDING
-    )
-
-
-def test_a_robot_that_cannot_move_has_rest_as_its_nearest_motion() -> None:
-    wheels = wheel("P1", (1, 1, 0)) + wheel("P2", (1, 0, 0)) + wheel("P3", LEFT)
-    motion = wheel_speeds(Posture(robot(SQUARE, wheels), []), (1.0, 0.0), 0.0)
-    assert not motion.possible
-    assert (motion.nearest_velocity, motion.nearest_yaw_rate) == ((0.0, 0.0), 0.0)
-    rest = wheel_speeds(Posture(robot(SQUARE, wheels), []), (0.0, 0.0), 0.0)
-    assert rest.possible
-    assert speeds(rest) == [0.0, 0.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("velocity", "yaw_rate", "steering", "speed"),
-    [
-        ((1.0, 0.0), 0.0, 0.0, 10.0),
-        ((-1.0, 0.0), 0.0, 0.0, -10.0),
-        ((0.0, 1.0), 0.0, 90.0, 10.0),
-        ((0.0, -1.0), 0.0, 90.0, -10.0),
-        ((-1e-17, 1.0), 0.0, 90.0, 10.0),
-        ((-1.0, 1.0), 0.0, -45.0, -10.0 * math.sqrt(2.0)),
-        ((0.0, 0.0), 0.0, 0.0, 0.0),
-        # About the wheel itself, which then stands still.
-        ((1.5, -1.5), 3.0, 0.0, 0.0),
-    ],
-)
-def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way(
-    velocity: tuple[float, float], yaw_rate: float, steering: float, speed: float
-) -> None:
-    motion = wheel_speeds(
-        Posture(robot(SQUARE, wheel("P1", extra=STEERED)), []), velocity, yaw_rate
-    )
-    assert motion.wheels[0].steering == pytest.approx(math.radians(steering), abs=ROUNDING)
-    assert motion.wheels[0].speed == pytest.approx(speed, abs=ROUNDING)
+def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way() -> None:
+    for vx, vy, steering, speed in (
+        (-1.0, 0.0, 0.0, -10.0),
+        (0.0, -1.0, 90.0, -10.0),
+        (-1e-17, 1.0, 90.0, 10.0),
+        (-1.0, 1.0, -45.0, -10.0 * math.sqrt(2.0)),
+        (0.0, 0.0, 0.0, 0.0),
+    ):
+        one = Posture(robot(SQUARE, wheel("P1", extra=STEERED)), [])
+        (found,) = wheel_speeds(one, (vx, vy), 0.0).wheels
+        assert found.steering == pytest.approx(math.radians(steering), abs=ROUNDING)
+        assert found.speed == pytest.approx(speed, abs=ROUNDING)
 
 
 def material_velocities(
     recipe: Recipe, params: Sequence[float], gravity: Floats, axles: list[Floats], motion: Motion
 ) -> tuple[list[Floats], list[Floats], Floats]:
-    """Return per wheel the velocity (3,) of the rim at the ground, and t; and the normal.
-
-    In space, with nothing of the code under test but its answers: a wheel that does not slip has
-    the rim at rest.
-    """
+    """Return per wheel the velocity (3,) of the rim at the ground, and t; and the normal."""
     found = diagnose(Posture(recipe, params), gravity)
     assert found.facet is not None
     n = -found.facet.normal
@@ -313,92 +201,30 @@ def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes() -> No
         assert min(abs(s) for s in speeds(motion)) > 0.0
 
 
-def test_the_rims_of_leaning_wheels_rest_on_the_ground() -> None:
-    axes = np.array([(0.1, 1.0, 0.3), (0.0, 1.0, -0.2), (-0.2, 1.0, 0.1)])
-    axes /= np.linalg.norm(axes, axis=1)[:, None]
-    places = [(0.8, 0.0, -0.3), (-0.6, 0.5, -0.4), (-0.5, -0.6, -0.5)]
-    radii = (0.3, 0.2, 0.25)
-    discs = "".join(
-        contact(f"W{i}", *disc) for i, disc in enumerate(zip(places, radii, axes, strict=True), 1)
-    )
-    # Axle and radius are the disc's own.
-    wheels = "".join(f'[[robot.wheel]]\ncontact = "W{i}"\n' for i in (1, 2, 3))
-    recipe = lutgen.parse_recipe(rigid(discs + wheels))
-    motion = wheel_speeds(Posture(recipe, []), (0.6, -0.2), 0.7)
-    found = diagnose(Posture(recipe, []), DOWN)
-    assert found.facet is not None
-    _, rolling, n = material_velocities(recipe, [], np.array(DOWN), list(axes), motion)
-    x = np.array([1.0, 0.0, 0.0]) - n[0] * n
-    x /= np.linalg.norm(x)
-    linear = 0.6 * x - 0.2 * np.cross(n, x)
-    for i, done in enumerate(motion.wheels):
-        point = found.facet.points[found.facet.contacts.index(i)]
-        assert done.speed is not None
-        # The hub moves with the robot, and the rim turns about the hub.
-        rim = linear + 0.7 * np.cross(n, point)
-        rim += done.speed * np.cross(axes[i], point - np.array(places[i]))
-        # Contact points of leaning discs come from an iteration that stops at 1e-12.
-        assert float(rim @ rolling[i]) == pytest.approx(0.0, abs=1e-10)
-        assert float(rim @ np.cross(n, rolling[i])) == pytest.approx(done.slip, abs=1e-10)
-
-
-def turned(rotation: Rotation) -> Recipe:
-    """Return the car turned in its own body frame."""
-    recipe = car()
+def test_a_car_that_is_built_pitched_and_in_mm_drives_the_same_along_its_own_plane() -> None:
+    plain, turn = car(), Rotation.from_euler("y", 25.0, degrees=True)
     contacts = tuple(
-        replace(c, position=tuple(rotation.apply(c.position).tolist())) for c in recipe.contacts
+        replace(c, position=tuple((1000.0 * turn.apply(c.position)).tolist()))
+        for c in plain.contacts
     )
-    wheels = tuple(replace(w, axis=tuple(rotation.apply(w.axis).tolist())) for w in recipe.wheels)
-    return replace(recipe, contacts=contacts, wheels=wheels)
-
-
-@pytest.mark.parametrize("yaw", [30.0, 110.0, -160.0])
-def test_a_car_that_is_built_turned_drives_the_same_for_the_turned_velocity(yaw: float) -> None:
-    rotation = Rotation.from_euler("z", yaw, degrees=True)
-    plain = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
-    velocity = rotation.apply([0.8, 0.3, 0.0])[:2]
-    same(wheel_speeds(Posture(turned(rotation), []), velocity, 0.4), plain)
-
-
-@pytest.mark.parametrize("pitch", [25.0, -50.0])
-def test_a_car_that_is_built_pitched_drives_the_same_along_its_own_plane(pitch: float) -> None:
-    rotation = Rotation.from_euler("y", pitch, degrees=True)
-    found = wheel_speeds(Posture(turned(rotation), []), (0.8, 0.3), 0.4, rotation.apply(DOWN))
-    plain = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
-    same(found, plain)
-    assert found.nearest_velocity == pytest.approx(plain.nearest_velocity, abs=ROUNDING)
-
-
-def same(one: Motion, other: Motion, scale: float = 1.0) -> None:
-    """Assert that the wheels of two motions do the same."""
-    assert not other.possible
-    assert not one.possible
-    assert one.structure == other.structure
-    assert speeds(one) == pytest.approx(speeds(other), rel=1e-10)
-    assert one.slip == pytest.approx(scale * other.slip, rel=1e-10)
-    assert one.nearest_yaw_rate == pytest.approx(other.nearest_yaw_rate, rel=1e-10)
-    for mine, yours in zip(one.wheels, other.wheels, strict=True):
-        assert (mine.steering is None) == (yours.steering is None)
-        assert mine.steering is None or mine.steering == pytest.approx(yours.steering, abs=1e-10)
-
-
-def test_the_unit_of_length_changes_lengths_only() -> None:
-    recipe = car()
-    contacts = tuple(
-        replace(c, position=tuple(1000.0 * x for x in c.position)) for c in recipe.contacts
+    wheels = tuple(
+        replace(w, axis=tuple(turn.apply(w.axis).tolist()), radius=1000.0 * w.radius)
+        for w in plain.wheels
     )
-    wheels = tuple(replace(w, radius=1000.0 * w.radius) for w in recipe.wheels)
-    large = replace(recipe, contacts=contacts, wheels=wheels)
-    plain = wheel_speeds(Posture(recipe, []), (0.8, 0.3), 0.4)
-    found = wheel_speeds(Posture(large, []), (800.0, 300.0), 0.4)
-    same(found, plain, 1000.0)
-    assert found.nearest_velocity == pytest.approx([1000.0 * v for v in plain.nearest_velocity])
+    pitched = Posture(replace(plain, contacts=contacts, wheels=wheels), [])
+    found = wheel_speeds(pitched, (800.0, 300.0), 0.4, turn.apply(DOWN))
+    expected = wheel_speeds(Posture(plain, []), (0.8, 0.3), 0.4)
+    assert (found.possible, found.structure) == (False, expected.structure)
+    assert speeds(found) == pytest.approx(speeds(expected), rel=1e-10)
+    assert found.slip == pytest.approx(1000.0 * expected.slip, rel=1e-10)
+    steering = [w.steering for w in expected.wheels[:2]]
+    assert [w.steering for w in found.wheels[:2]] == pytest.approx(steering, abs=1e-10)
+    assert found.nearest_yaw_rate == pytest.approx(expected.nearest_yaw_rate, rel=1e-10)
 
 
 def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet() -> None:
     level = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
-    for gravity in ((0.2, 0.1, -1.0), (-0.5, 0.3, -2.0)):
-        assert wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, gravity) == level
+    assert wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (-0.5, 0.3, -2.0)) == level
     # Beyond the front wheels: the same plane, but the robot does not stay on it.
     tips = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (3.0, 0.0, -1.0))
     assert not tips.standing
@@ -421,23 +247,6 @@ def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
     assert back.structure.category == "1 DoF, non-steered"
     # The rear wheel is dragged across, the others roll.
     assert back.slip == pytest.approx(1.0, rel=ROUNDING)
-
-
-def test_a_wheel_between_the_corners_of_the_support_polygon_touches_too() -> None:
-    middle = robot([*SQUARE, (0.0, 0.5, -0.4), (0.0, 0.0, -0.4)], wheel("P5") + wheel("P6"))
-    motion = wheel_speeds(Posture(middle, []), (1.0, 0.0), 1.0)
-    assert speeds(motion) == pytest.approx([5.0, 10.0], rel=ROUNDING)
-    above = robot([*SQUARE, (0.0, 0.5, -0.399)], wheel("P5"))
-    assert structure(Posture(above, [])).touching == ()
-    assert structure(Posture(above, [])).category == "3 DoF, non-steered"
-
-
-def test_a_wheel_within_a_ten_thousandth_of_the_robot_s_size_touches() -> None:
-    # `contact_tolerance` by default; the size is the distance of a corner from the com.
-    size = math.sqrt(0.5**2 + 0.5**2 + 0.4**2)
-    for above, touching in ((0.9e-4 * size, ("P5",)), (1.1e-4 * size, ())):
-        recipe = robot([*SQUARE, (0.0, 0.0, -0.4 + above)], wheel("P5"))
-        assert structure(Posture(recipe, [])).touching == touching
 
 
 def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it() -> None:
@@ -513,18 +322,9 @@ def test_what_cannot_be_computed_is_refused_with_the_way_out() -> None:
     text = rigid(feet(nose) + wheel("P1"), head="upright = 180")
     with pytest.raises(InputError, match=r"x axis is normal to the ground, .*; choose another"):
         structure(Posture(lutgen.parse_recipe(text), []), (1, 0, 0))
-    for velocity in ((1.0,), (1.0, math.nan), 1.0, (1.0, 0.0, 0.0)):
-        with pytest.raises(InputError, match=r"velocity must be two finite numbers \(got "):
-            wheel_speeds(Posture(car(), []), velocity, 0.0)
+    with pytest.raises(InputError, match=r"velocity must be two finite numbers \(got "):
+        wheel_speeds(Posture(car(), []), (1.0, math.nan), 0.0)
     with pytest.raises(InputError, match=r"yaw_rate must be finite \(got inf\)"):
         wheel_speeds(Posture(car(), []), (1.0, 0.0), math.inf)
     with pytest.raises(InputError, match=r"beyond all numbers \(got velocity \[1e\+308, 0.0\]"):
         wheel_speeds(Posture(car(), []), (1e308, 0.0), 0.0)
-
-
-def test_a_lifted_wheel_may_have_any_axle() -> None:
-    above = robot([*SQUARE, (0.0, 0.0, -0.2)], wheel("P1") + wheel("P5", (0, 0, 1)))
-    assert [w.touches for w in wheel_speeds(Posture(above, []), (1.0, 0.0), 0.0).wheels] == [
-        True,
-        False,
-    ]

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels.resting import body_gravity
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe

@@ -5,7 +5,7 @@ import pytest
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import evaluate_each
 from lutgen.channels.scan import Scanner
 from lutgen.errors import InputError

@@ -67,36 +67,6 @@ def test_the_page_writes_figures_and_a_table(firmware: Path) -> None:
     assert float(rows[0]["braking_m_s2"]) > 16.0
 
 
-KEEPER = """
-#include <cstdio>
-#include "keeper.hpp"
-int main() {
-  paper_two_cpp::Keeper keeper;
-  paper_two_cpp::Joints at = {0.5f, 0.5f};
-  for (int i = 0; i < 10; i++) {
-    const auto told = keeper.step(at, std::nullopt, {0.0f, 0.0f, 9.81f}, {});
-    if (!told.certain) return 1;
-    at = told.command;
-  }
-  const auto none = keeper.step(at, std::nullopt, {}, {});
-  std::printf("%d %d %d\\n", keeper.fit(), at[0] < 0.1f, none.cycle.alarm);
-}
-"""
-
-
-@pytest.mark.needs("c++")
-def test_the_class_in_c_plus_plus_steers_and_alarms(firmware: Path, tmp_path: Path) -> None:
-    folder = firmware / "paper_firmware"
-    (tmp_path / "main.cpp").write_text(KEEPER)
-    for line in (
-        f"cc -std=c99 -O1 -I{folder} -c {folder}/paper_two.c -o map.o",
-        f"c++ -std=c++17 -Wall -Wextra -Werror -I{folder} -I{folder}/examples main.cpp map.o -o k",
-    ):
-        subprocess.run(line.split(), cwd=tmp_path, check=True)
-    done = subprocess.run([str(tmp_path / "k")], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["1", "1", "3"]
-
-
 @pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason=ROS)
 def test_the_node_compiles_where_ros_is(firmware: Path) -> None:
     folder, ros = firmware / "paper_firmware", Path("/opt/ros") / os.environ["ROS_DISTRO"]

@@ -9,7 +9,7 @@ import pytest
 
 import lutgen
 from lutgen.recipe import forward
-from tests.fixtures.commands import data, good, run
+from tests.fixtures.commands import data, good
 from tests.fixtures.commands import stdout as printed
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, robot
@@ -119,42 +119,6 @@ def test_named_ones_independent_ones_and_proposals_go_together() -> None:
     assert len(report["coupled"]["thigh"]) == 4
     assert len(report["coupled"]["knee"]) == 3
     assert [*report["coupled"]["hip"]] == ["RL_hip_joint", "RR_hip_joint"]
-
-
-@pytest.mark.parametrize(
-    ("texts", "said"),
-    [
-        (["hips=FL_hip"], "did you mean 'FL_hip_joint'"),
-        (["hips=*_haunch"], "no joint has that pattern"),
-        (["haunches"], "names no joints that can move"),
-        (["kneez"], "did you mean 'knees'"),
-        (["=FL_hip_joint"], "is no name of a parameter"),
-        (["sdg=FL_hip_joint"], "is no name of a parameter"),
-        (["a-b=FL_hip_joint"], "is no name of a parameter"),
-        (["a=FL_hip_joint,FL_hip_joint"], "is named twice"),
-        (["a=FL_hip_joint,*_hip_joint"], "is named twice"),
-        (["a=FL_hip_joint", "b=FL_hip_joint"], "is asked for twice"),
-        (["a=FL_hip_joint", "a=FR_hip_joint"], "the name is given twice"),
-        (["a=0*FL_hip_joint"], "a factor is 0"),
-        (["a="], "there is no such joint or group"),
-        (["a=FL_hip_joint,"], "there is no such joint or group"),
-        (["a=FL_hip_joint,FL_knee*"], "are no mirror images, so no sign follows"),
-        (["a=FL_thigh_joint,9*FL_knee_joint"], None),
-    ],
-)
-def test_what_cannot_be_coupled_is_refused_in_one_sentence(
-    texts: list[str], said: str | None
-) -> None:
-    arguments = [part for text in texts for part in ("--couple", text)]
-    result = run("import", "quadruped.urdf", "-o", "q.toml", "--force", *arguments)
-    if said is None:
-        # Any factors that the limits allow.
-        assert result.exit_code == 0
-        return
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not Path("q.toml").exists()
 
 
 def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:

@@ -5,7 +5,6 @@ import io
 import json
 import os
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -19,7 +18,6 @@ import lutgen
 from lutgen.chart import gravity_from_up
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
-from tests.fixtures.documents import blocks
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, real, robot
 
@@ -161,36 +159,6 @@ def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> Non
     assert len(said.splitlines()) == 5
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("none.urdf", "-o", "a.toml"), "there is no such file"),
-        (("robot.urdf", "-o", "robot.urdf"), "end it in .toml"),
-        (("robot.urdf", "-o", "none/a.toml"), "cannot be written"),
-        (("robot.urdf", "-o", "a.toml", "-c", "left_weel"), "did you mean 'left_wheel'"),
-        (("robot.urdf", "-o", "a.toml", "-c", "left_weel=0,0,0"), "did you mean 'left_wheel'"),
-        (("robot.urdf", "-o", "a.toml", "-c", "mast"), "has no collision sphere"),
-        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0"), "is no point of a link"),
-        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,nan"), "is no point of a link"),
-        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,0,-1"), "is no point of a link"),
-        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,0"), "needs 3 to 62 contacts (got 1)"),
-        (("robot.urdf", "-o", "a.toml", "-j", "arm"), "did you mean 'arms'"),
-        (("robot.urdf", "-o", "a.toml", "-j", "lens_mount"), "it is fixed"),
-        (("robot.urdf", "-o", "a.toml", "--arg", "a=b"), "is for xacro"),
-        (("robot.xacro", "-o", "a.toml"), "pass --xacro if you trust it"),
-    ],
-)
-def test_what_cannot_be_imported_is_refused_in_one_sentence(
-    folder: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    shutil.copy("robot.urdf", "robot.xacro")
-    result = run("import", *arguments)
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not Path("a.toml").exists()
-
-
 def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder: Path) -> None:
     foot = collision('sphere radius="0.1"')
     legs = "".join(
@@ -307,16 +275,3 @@ def test_real_robots_are_imported_without_options(
     # Level ground, flippers as they are at zero: it stands, by more than 10 deg.
     level = lutgen.evaluate(recipe, np.zeros((1, len(parameters))), [[0, 0, -1]], ("tip_angle",))
     assert level["tip_angle"][0, 0] > np.radians(10.0)
-
-
-def test_the_page_on_robot_descriptions_shows_what_its_commands_print(folder: Path) -> None:
-    for name in ("quadruped.urdf", "quadruped.srdf"):
-        shutil.copy(VECTORS / name, name)
-    (named,) = blocks("docs/guide/urdf.md", "toml")
-    Path("named.toml").write_text(named, encoding="utf-8")
-    commands, shown = blocks("docs/guide/urdf.md", "sh"), blocks("docs/guide/urdf.md", "text")
-    assert len(commands) == len(shown) > 1
-    for command, text in zip(commands, shown, strict=True):
-        program, *arguments = shlex.split(command)
-        assert program == "lutgen"
-        assert good(*arguments) == text

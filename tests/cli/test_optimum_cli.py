@@ -1,10 +1,7 @@
 """`lutgen optimum`: what it prints, in which units, and its exit codes."""
 
-import contextlib
-import io
 import math
 import re
-import shlex
 from functools import partial
 from pathlib import Path
 
@@ -14,7 +11,6 @@ import pytest
 import lutgen
 from lutgen.search.objective import Objective
 from tests.fixtures import commands
-from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
 
@@ -108,7 +104,9 @@ def test_a_parameter_given_a_value_keeps_it() -> None:
     assert report["parameters"]["gamma"]["value_deg"] == pytest.approx(20.0, abs=1e-12)
     assert report["parameters"]["gamma"]["kept"] is True
     assert report["parameters"]["alpha"]["kept"] is False
-    assert re.search(r"^  gamma  20 deg  kept$", run(TWO, "-p", "gamma=20").stdout, re.MULTILINE)
+    assert re.search(
+        r"^  gamma  20 deg       kept$", run(TWO, "-p", "gamma=20").stdout, re.MULTILINE
+    )
 
 
 def test_start_and_seed_reach_the_methods() -> None:
@@ -146,32 +144,6 @@ def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(
     assert "exceeds the limit: no range is acceptable" in caplog.text
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--bounds", "alpha=20"), "'alpha=20' is no interval; write for example alpha=20:40"),
-        (("--bounds", "alpha=a:b"), "is no interval"),
-        (("--bounds", "alpha=0:nan"), "is no interval"),
-        (("--bounds", "alpha=40:20"), "must be below the upper one (got 40:20)"),
-        (("--bounds", "beta=1:2"), "there is no parameter 'beta' (got --bounds beta=1:2); it has"),
-        (("--bounds", "alpha=1:2", "-p", "alpha=1"), "give it one -p or one --bounds"),
-        (("--start", "beta=1"), "there is no parameter 'beta' (got --start beta=1)"),
-        (("--start", "alpha=1", "--start", "alpha=2"), "give it one -p or one --start"),
-        (("--start", "alpha=60", "--method", "nelder-mead"), "must lie within the bounds"),
-        (("-p", "alpha=1", "-p", "gamma=2"), "no geometry parameter to search"),
-        (("-p", "alpha=1", "-p", "alpha=2"), "given twice"),
-        (("--objective", "facet"), "objective 'facet' is not understood"),
-        (("--method", "best"), "'best' is not one of"),
-        (("--levels", 0), "0 is not in the range x>=1"),
-        (("-g", "0,0,0"), "is no direction"),
-    ],
-)
-def test_wrong_input_is_one_sentence_and_exit_code_2(
-    arguments: tuple[object, ...], message: str
-) -> None:
-    assert message in refusal(TWO, *arguments)
-
-
 def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
     text = '[robot]\nname = "code"\nlength_unit = "m"\npython = "searched:postures"\n'
     text += '[[robot.parameter]]\nname = "x"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
@@ -189,31 +161,6 @@ def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
     report = data(tmp_path / "code.toml", "--allow-python", "--method", "nelder-mead")
     # The centroid is below the com where the third foot is at 2.
     assert report["parameters"]["x"]["value"] == pytest.approx(0.5, abs=1e-5)
-
-
-# The document
-
-
-def test_the_commands_of_the_document_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    (shell,) = blocks("docs/guide/search.md", "sh")
-    for line in shell.splitlines():
-        program, command, *arguments = shlex.split(line)
-        assert (program, command) == ("lutgen", "optimum")
-        assert run(*arguments).exit_code == 0, line
-
-
-def test_the_python_of_the_document_prints_what_its_comments_say(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(ROOT)
-    (code,) = blocks("docs/guide/search.md", "python")
-    said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
-    assert len(said) == code.count("print(") > 3
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(compile(code, "docs/guide/search.md", "exec"), {})
-    assert printed.getvalue().splitlines() == said
 
 
 def test_the_document_says_how_far_the_conventions_differ() -> None:

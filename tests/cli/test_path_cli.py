@@ -10,17 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.collections import Collection
-from matplotlib.figure import Figure
 
-from lutgen.errors import InputError
-from lutgen.plot import draw_path, save
-from lutgen.plot.path import RED
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.terrain import paper_path, turned
 from tests.fixtures import commands
-from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
@@ -162,158 +156,11 @@ def test_the_figure_has_both_runs_and_repeats_to_the_byte(recipe: str, tmp_path:
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def reds(axes: Any) -> list[Any]:
-    """Return the pieces of the path that are drawn red."""
-    (found,) = [
-        c
-        for c in axes.collections
-        if isinstance(c, Collection) and hasattr(c, "_segments3d") and _is_red(c)
-    ]
-    return list(found._segments3d)
-
-
-def _is_red(collection: Collection) -> bool:
-    colours = np.atleast_2d(np.asarray(collection.get_edgecolor()))
-    return bool(len(colours)) and np.allclose(colours[0, :3] * 255, _rgb(RED), atol=0.6)
-
-
-def _rgb(colour: str) -> list[int]:
-    return [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
-
-
-def test_red_is_where_it_tips_over_and_nowhere_else(two: Recipe) -> None:
-    fixed, changing = by_hand(two, 100, control=False), by_hand(two, 100)
-    figure = draw_path(two, {"fixed shape": fixed, "changing shape": changing})
-    for axes, drawn in zip(figure.axes[:2], (fixed, changing), strict=True):
-        pieces = reds(axes)
-        inside = {tuple(point) for piece in pieces for point in piece}
-        points = [tuple(point) for point in drawn.path.position]
-        assert [point in inside for point in points] == drawn.tips.tolist()
-        # Equal scale: a length is as long along x as along z.
-        sides = np.array(
-            [np.ptp(lim) for lim in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
-        )
-        shape = np.asarray(axes._box_aspect)
-        np.testing.assert_allclose(shape / shape[0], sides / sides[0], rtol=1e-12)
-    angles, geometry = figure.axes[2:]
-    for line, drawn in zip(angles.lines, (fixed, changing), strict=False):
-        expected = np.degrees(drawn.channels["tip_angle"])
-        np.testing.assert_array_equal(line.get_ydata(), expected)
-    labels = [line.get_label() for line in geometry.lines]
-    assert labels == [r"$\alpha$", r"$\gamma$"]
-    np.testing.assert_array_equal(geometry.lines[0].get_ydata(), np.degrees(changing.params[:, 0]))
-
-
-def inside_paper(figure: Figure) -> bool:
-    """Tell whether all texts of a figure are on the paper."""
-    canvas: Any = figure.canvas
-    renderer = canvas.get_renderer()
-    texts = [text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label)]
-    boxes = [
-        text.get_window_extent(renderer) for text in [*texts, *figure.texts] if text.get_text()
-    ]
-    width, height = figure.get_size_inches() * figure.dpi
-    return all(b.x0 >= 0 and b.y0 >= 0 and b.x1 <= width and b.y1 <= height for b in boxes)
-
-
-@pytest.mark.parametrize(
-    "points",
-    [
-        [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
-        [[0, 0, 0], [0, 50, 0.5], [3, 90, 0.2]],
-        [[1e6, 5, 0], [1e6 + 1, 5, 2], [1e6 + 1.5, 5, 3]],
-    ],
-)
-def test_any_path_is_drawn_within_the_paper(two: Recipe, points: Any, tmp_path: Path) -> None:
-    from lutgen.search.terrain import along
-
-    rates = {"alpha": 0.001}
-    straight = drive(two, along(points), control=False)
-    free = drive(two, along(points), lag=0, headings=8, rates=rates, speed=1.0)
-    for runs in ({"turning": free}, {"fixed": straight, "turning": free}, {"fixed": straight}):
-        figure = draw_path(two, runs)
-        assert inside_paper(figure)
-        save(figure, tmp_path / "path.svg")
-
-
-# What is refused
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--points", 1], "at least 2 points"),
-        (["-p", "alpha=55"], "alpha must lie in 0 to 50 deg (got -p alpha=55)"),
-        (["--terrain", "none.csv"], "none.csv: cannot be read"),
-        (["--terrain", "none.csv", "--points", 5], "leave it out"),
-        (["-p", "beta=1"], "no parameter 'beta'"),
-        (["--rate", "alpha=1"], "need a speed"),
-        (["--speed", 1], "need a speed, and a speed needs rates"),
-        (["--rate", "alpha=1", "--rate", "alpha=2", "--speed", 1], "given twice"),
-        (["--rate", "beta=1", "--speed", 1], "no parameter 'beta' to limit"),
-        (["--no-control", "--speed", 1], "a shape that does not change has no rates"),
-        (["--headings", 0], "at least one heading"),
-        (["--lag", -1], "got lag -1"),
-        (["--objective", "luck"], "objective 'luck'"),
-        (["--points", 3, "-o", "missing/run.csv"], "cannot be written"),
-        (["--points", 3, "--plot", "run.gif"], "unknown kind of picture"),
-    ],
-)
-def test_what_is_wrong_is_said_in_one_sentence(
-    recipe: str, arguments: list[object], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = run(recipe, *arguments)
-    assert result.exit_code == 2, result.output
-    assert result.stdout == ""
-    (line,) = result.stderr.splitlines()
-    assert line.startswith("Error: ")
-    assert said in line
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_rigid_robot_needs_no_control(tmp_path: Path) -> None:
     file = tmp_path / "rigid.toml"
     file.write_text(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
     assert "--no-control" in run(file).stderr
     assert "fixed shape" in good(file, "--no-control")
-
-
-# The page
-
-
-def test_everything_on_the_page_runs_and_prints_what_it_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "maps").symlink_to(MAPS)
-    monkeypatch.chdir(tmp_path)
-    (hill,) = blocks("docs/guide/path.md", "csv")
-    Path("hill.csv").write_text(hill)
-    commands, shown = blocks("docs/guide/path.md", "sh"), blocks("docs/guide/path.md", "text")
-    assert len(commands) == len(shown) > 0
-    for command, text in zip(commands, shown, strict=True):
-        program, name, *arguments = command.replace("\\\n", " ").split()
-        assert (program, name) == ("lutgen", "path")
-        assert good(*arguments) == text
-    assert Path("drive.csv").stat().st_size > 0
-    assert Path("drive.png").read_bytes().startswith(b"\x89PNG")
-    assert Path("hill.gif").read_bytes().startswith(b"GIF89a")
-    (code,) = blocks("docs/guide/path.md", "python")
-    printed: list[str] = []
-    exec(
-        compile(code, "docs/guide/path.md", "exec"),
-        {"print": lambda *a: printed.append(" ".join(map(str, a)))},
-    )
-    assert printed == re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
-
-
-def test_the_library_refuses_a_file_for_what_it_is(tmp_path: Path, recipe: str) -> None:
-    (tmp_path / "odd.csv").write_text("x;y;z\n0;0;0\n")
-    result = run(recipe, "--terrain", tmp_path / "odd.csv")
-    assert result.exit_code == 2
-    assert "line 1 names no column x (got x;y;z)" in result.stderr
-    with pytest.raises(InputError, match="at least 2 points"):
-        paper_path(0)
 
 
 def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body(recipe: str) -> None:

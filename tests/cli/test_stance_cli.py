@@ -1,7 +1,5 @@
-"""`lutgen stance`: what it prints, its exit codes, its figure, and its page of the documents."""
+"""`lutgen stance`: what it prints, its exit codes, and its figure."""
 
-import contextlib
-import io
 import math
 import re
 from pathlib import Path
@@ -9,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.fixtures.commands import data, good, run, stdout
-from tests.fixtures.documents import blocks
+from tests.fixtures.commands import data, good, run
 
-PAGE = "docs/guide/stance.md"
 FEET = """com = [0.3, 0, 0.6]
 friction = 0.5
 [[foot]]
@@ -125,72 +121,3 @@ def test_the_figure_repeats_to_the_byte(ditch: Path, tmp_path: Path) -> None:
         good("stance", ditch, "-o", tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("com =", "con =", "key `con`: is not a known key (got [0.3, 0, 0.6]); did you mean 'com'"),
-        ("normal =", "normals =", "key `foot[1].normals`: is not a known key"),
-        ("com = [0.3, 0, 0.6]\n", "", "key `com`: is missing"),
-        ("friction = 0.5\n", "", "key `friction`: is missing"),
-        ("friction = 0.5", "friction = -1", "key `friction`: must be 0 or more (got -1)"),
-        ("normal = [1, 0, 1]", "friction = -2", "key `foot[1].friction`: must be 0 or more"),
-        ("normal = [1, 0, 1]", "normal = [0, 0, 0]", "key `foot[1].normal`: must have a length"),
-        ("position = [1, 0, 0]", "", "key `foot[2].position`: is missing"),
-        ("[-1, 0, 0]", "[-1, 0, nan]", "key `foot[1].position[3]`: must be finite"),
-        ('"right"', '"P1"', "key `foot[2].name`: is given twice"),
-        ("com =", "length_unit = 'km'\ncom =", "key `length_unit`: is unknown"),
-        ("com =", "gravity = [0, 0, 0]\ncom =", "key `gravity`: must have a length above 0"),
-        ("com = [", "com = [[", "is not TOML"),
-        ("[-1, 0, 0]", "[1e200, 0, 0]", "must be 1,000,000,000,000 or less (got 1e+200)"),
-    ],
-)
-def test_bad_input_is_one_sentence_and_exit_2(ditch: Path, old: str, new: str, said: str) -> None:
-    result = run("stance", changed(ditch, old, new))
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert said in result.stderr.splitlines()[0]
-
-
-def test_files_without_feet_and_options_that_are_none_are_refused(
-    ditch: Path, tmp_path: Path
-) -> None:
-    bare = tmp_path / "bare.toml"
-    bare.write_text("com = [0, 0, 1]\n")
-    for arguments, said in (
-        ((bare,), "bare.toml: key `foot`: is missing"),
-        ((tmp_path / "none.toml",), "none.toml: there is no such file"),
-        ((ditch, "-g", "0,0,0"), "is no direction"),
-        ((ditch, "-o", tmp_path / "stance.gif"), "unknown kind of picture"),
-    ):
-        result = run("stance", *arguments)
-        assert result.exit_code == 2
-        assert said in result.stderr
-        assert result.stdout == ""
-
-
-def test_everything_in_the_guide_runs_and_prints_what_it_shows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    for name, text in zip(("stair", "ditch"), blocks(PAGE, "toml"), strict=True):
-        Path(f"{name}.toml").write_text(text)
-    commands, shown = blocks(PAGE, "sh"), blocks(PAGE, "text")
-    for command, text, code in zip(commands, shown, (0, 3, 0), strict=True):
-        program, *arguments = command.split()
-        assert program == "lutgen"
-        result = run(*arguments)
-        assert (result.exit_code, result.stdout) == (code, text)
-    assert Path("stair.png").read_bytes().startswith(b"\x89PNG")
-    (python,) = blocks(PAGE, "python")
-    said = re.findall(r"^print\(.*\)  # (.*)$", python, re.MULTILINE)
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(compile(python, PAGE, "exec"), {})
-    assert printed.getvalue().splitlines() == said
-    assert len(said) == 2
-
-
-def test_help_shows_its_example_line_by_line() -> None:
-    assert "  $ lutgen stance stair.toml -g 0.1,0,-1" in stdout("stance", "-h").splitlines()

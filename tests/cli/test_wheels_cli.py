@@ -1,7 +1,5 @@
-"""`lutgen wheels`: what it prints, its exit codes, and its page of the documents."""
+"""`lutgen wheels`: what it prints, and its exit codes."""
 
-import contextlib
-import io
 import json
 import math
 import re
@@ -10,10 +8,8 @@ from pathlib import Path
 import pytest
 
 import lutgen
-from lutgen.analysis.stance import Posture
-from lutgen.analysis.wheels import wheel_speeds
+from lutgen.analysis import Posture, wheel_speeds
 from tests.fixtures.commands import data, good, run
-from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
@@ -98,7 +94,7 @@ def test_steering_is_printed_in_degrees_and_negative_velocities_are_read(tmp_pat
     (one,) = report["wheels"]  # type: ignore[misc]
     assert one["steering_deg"] == pytest.approx(-45.0)
     assert one["speed_rad_s"] == pytest.approx(-10.0 * math.sqrt(2.0))
-    assert "P1         -14.1421           -45" in good("wheels", path, "--velocity", "-1,1").stdout
+    assert "P1        -14.1421           -45" in good("wheels", path, "--velocity", "-1,1").stdout
 
 
 def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
@@ -136,58 +132,3 @@ def test_a_robot_that_tips_is_computed_with_a_warning(
     report = data("wheels", cart, *POSSIBLE, "-g", "3,0,-1", code=3)
     assert report["standing"] is False
     assert "the robot tips over" in caplog.text
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--velocity", "1"), "'1' is no velocity; write two numbers such as 0.5,0"),
-        (("--velocity", "1,nan"), "'1,nan' is no velocity"),
-        (("--yaw-rate", "fast"), "'fast' is not a valid float"),
-        (("--yaw-rate", "inf"), "'inf' is no number of plain digits up to 1e12"),
-        (("-g", "0,0,1"), "no support facet under this gravity"),
-        (("--velocity", "1e308,0"), "of numbers up to 1e12"),
-    ],
-)
-def test_bad_input_is_one_sentence_and_exit_2(
-    cart: Path, arguments: tuple[str, ...], message: str
-) -> None:
-    result = run("wheels", cart, *arguments)
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert message in result.stderr
-
-
-def test_help_shows_its_example_line_by_line() -> None:
-    shown = good("wheels", "-h").stdout.splitlines()
-    assert "  $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31" in shown
-
-
-def test_a_recipe_without_wheels_is_refused_with_the_way_out(tmp_path: Path) -> None:
-    path = tmp_path / "bare.toml"
-    path.write_text(rigid(CART))
-    result = run("wheels", path)
-    assert result.exit_code == 2
-    assert "bare.toml: the robot has no wheels (got no [[robot.wheel]]); add one" in result.stderr
-
-
-def test_everything_in_the_guide_to_wheels_runs_and_prints_what_it_shows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (recipe,) = blocks("docs/guide/wheels.md", "toml")
-    Path("buggy.toml").write_text(recipe)
-    commands, shown = blocks("docs/guide/wheels.md", "sh"), blocks("docs/guide/wheels.md", "text")
-    assert len(commands) == len(shown) == 2
-    for command, text, code in zip(commands, shown, (0, 1), strict=True):
-        program, *arguments = command.split()
-        assert program == "lutgen"
-        result = run(*arguments)
-        assert (result.exit_code, result.stdout) == (code, text)
-    (python,) = blocks("docs/guide/wheels.md", "python")
-    said = re.findall(r"^print\(.*\)  # (.*)$", python, re.MULTILINE)
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(compile(python, "wheels.md", "exec"), {})
-    assert printed.getvalue().splitlines() == said
-    assert len(said) == 2

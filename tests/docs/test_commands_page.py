@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from lutgen.cli import main
-from tests.cli.test_shell import VERDICTS
+from tests.cli.test_alike import VERDICTS
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import ROOT
 

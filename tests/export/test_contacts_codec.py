@@ -12,8 +12,7 @@ from firmware_export.contacts import codec as contacts
 from firmware_export.contacts import terms as closed_terms
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.exporter import examine, guarded
-from firmware_export.protocol import describe
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export, describe
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import forward, radii_and_kinds
@@ -80,16 +79,6 @@ def test_positions_are_the_robots_in_every_posture(name: str) -> None:
             np.testing.assert_allclose(along, 1.0, atol=1e-8)
 
 
-def test_the_papers_robot_takes_51_bytes() -> None:
-    assert export_of("paper_two").tables.bytes == 51
-
-
-def test_links_that_only_move_the_com_are_stored_once_for_all_contacts() -> None:
-    marv = export_of("marv").tables.terms
-    assert marv.common
-    assert not export_of("paper_two").tables.terms.common
-
-
 @pytest.mark.parametrize("name", [*ALL, "tripod", "rover"])
 def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name: str) -> None:
     export = export_of(name)
@@ -112,19 +101,6 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name:
     assert np.percentile(np.abs(reading[safe, 2] - exact.height[safe, 0]), 99) < 2e-5 * size
 
 
-def test_a_robot_of_fixed_shape_has_no_parameters_and_is_read() -> None:
-    corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
-    for count in (3, 4):
-        text = rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners[:count])))
-        model = Model(parse_recipe(text))
-        tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
-        export = Export("rigid", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
-        status, reading = device(export).read(np.zeros((1, 0)), [[0.02, 0.0, -1.0]])
-        exact = model.exact(np.zeros((1, 0)), [[[0.02, 0.0, -1.0]]])
-        assert status[0] == OK
-        assert reading[0, 0] == pytest.approx(exact.sdg[0, 0], abs=1e-6)
-
-
 def test_weights_that_share_numbers_answer_as_those_that_do_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -142,9 +118,15 @@ def test_weights_that_share_numbers_answer_as_those_that_do_not(
         assert one.tobytes() == other.tobytes()
 
 
-def test_a_robot_given_by_code_has_no_closed_form_and_integers_are_refused() -> None:
-    model = Model(load_recipe("maps/paper_two.toml"))
-    assert "floating point" in str(contacts.INFO.refusal(model, "integer"))
+def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound() -> None:
+    paper = export_of("paper_two")
+    assert paper.tables.bytes == 51
+    # Other points, with nothing altered, would be no proof of a larger guard.
+    assert paper.tables.guarded(1e-3) is None
+    assert "floating point" in str(contacts.INFO.refusal(paper.model, "integer"))
+    # Links that only move the com are stored once for all contacts.
+    assert not paper.tables.terms.common
+    assert export_of("marv").tables.terms.common
 
 
 def test_gravity_of_any_length_gives_the_same_answer() -> None:
@@ -211,9 +193,3 @@ def test_a_guard_that_is_too_small_is_made_as_large_as_points_need() -> None:
     kept, certificate = guarded(wild, trials, None, 10_000)
     assert certificate.false_safe > 0
     assert kept.tables.guard == wild.tables.guard
-
-
-def test_a_larger_guard_is_no_way_out_for_three_points() -> None:
-    # Their guard follows from a bound: other points, with nothing altered, would be no proof.
-    export = export_of("tripod")
-    assert export.tables.guarded(1e-3) is None

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from firmware_export.codecs import usable
-from firmware_export.control.polish import polished
+from firmware_export.control.table import polished
 from firmware_export.host import BLIND, Controller
 from firmware_export.protocol import Export, Joint, Policy, describe
 from firmware_export.truth import Model
@@ -215,19 +215,6 @@ def test_of_many_contacts_a_budget_is_what_the_boundary_leaves() -> None:
     found = budgets(crawler(), 300)
     assert found.faults == 0
     assert found.share > 0.99
-
-
-def test_between_its_nodes_a_polished_table_loses_less_than_before() -> None:
-    def score(params: Floats, places: Floats) -> Floats:
-        return -np.abs(params[:, 0] - np.sin(6.0 * places[:, 0]) - places[:, 1])
-
-    u, v = np.meshgrid(*[np.linspace(0.0, 1.0, 4)] * 2, indexing="ij")
-    before = (np.sin(6.0 * u) + v)[:, :, None]
-    best, ends, scale = np.full((4, 4), -0.02), (np.full(1, -2.0), np.full(1, 3.0)), np.ones(1)
-    after = polished([before], best, ends, scale, score)
-    places = np.random.default_rng(1).random((4000, 2))
-    lost = [-score(_at(table, places), places).mean() for table in (before, after)]
-    assert lost[1] < 0.8 * lost[0]
 
 
 def test_a_table_begins_from_one_posture_where_the_best_of_nodes_have_bad_ones_between() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from firmware_export.codecs import usable
 from firmware_export.emit import package
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe

@@ -14,10 +14,9 @@ from firmware_export.certify.answers import device
 from firmware_export.exporter import Asked, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
-from firmware_export.grid.points import bounds, depends_on, fit_point
 from firmware_export.grid.table import Tables
 from firmware_export.grid.train import Lattice, Points, lower, read
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from firmware_export.truth import biased, uniform
 from firmware_export.truth.model import Exact, Model
 from lutgen.errors import ExportError
@@ -90,15 +89,6 @@ def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in
     assert np.abs(values[safe, 0] - exact.sdg[safe, 0]).max() < 0.01 * span
     assert np.abs(values[safe, 2] - exact.height[safe, 0]).max() < 0.003 * 23.3
     assert looked_up.tables.bytes < 100
-
-
-def test_a_point_has_the_axes_on_which_it_depends(model: Model) -> None:
-    wide, unit = bounds(model)
-    for foot, axes in ((0, (0,)), (1, (1,)), (2, ())):
-        assert depends_on(wide, foot) == axes
-        assert fit_point(wide, foot, (5,) * len(axes), 16, unit).codes.shape == (5,) * len(axes) + (
-            3,
-        )
 
 
 def test_sizes_grow_along_one_parameter_at_a_time_and_are_read_from_their_labels(
@@ -282,15 +272,6 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart: st
     spread = np.nanstd(seen.exact.sdg[both])
     error = (seen.answers.sdg - seen.exact.sdg)[both]
     assert np.sqrt(np.mean(error * error)) < 0.5 * spread
-
-
-def test_a_robot_of_fixed_shape_has_a_table_over_gravity_alone() -> None:
-    for chart, lost in (("cone", 0.05), ("sphere", 0.15)):
-        export = trained(square(chart=chart), 400, ("tip_angle",))
-        assert len(export.tables.spec.nodes) == 2
-        found = device(export).measure(uniform(export.model, 60_000, 3))
-        assert found.false_safe.sum() <= 5
-        assert found.false_tip < lost
 
 
 def test_what_a_test_finds_falsely_safe_is_lowered() -> None:

@@ -3,8 +3,6 @@
 import tomllib
 from pathlib import Path
 
-import pytest
-
 from firmware_export.emit import package
 from tests.fixtures.exports import tripod_export
 from tests.fixtures.places import ROOT
@@ -28,15 +26,13 @@ def test_every_file_of_c_says_its_licence() -> None:
     assert [path for path in SOURCES if on_top(path.read_text(encoding="utf-8")) != LINES] == []
 
 
-@pytest.mark.parametrize("arithmetic", ["float", "integer"])
-def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(
-    tmp_path: Path, arithmetic: str
-) -> None:
-    package.write(tripod_export("feet", codec="grid", arithmetic=arithmetic), tmp_path / "out")
+def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(tmp_path: Path) -> None:
+    package.write(tripod_export("feet"), tmp_path / "out")
     texts = {path.name: path for path in (tmp_path / "out").rglob("*")}
-    for name in ("feet.c", "feet.h", "smap.h", "read.c", "alarm.c"):
-        assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
-    for name in ("CMakeLists.txt", "library.properties", "module.yml"):
+    for name in (
+        *("feet.c", "feet.h", "smap.h", "read.c", "alarm.c", "ros2_node.cpp", "feet.ino"),
+        *("CMakeLists.txt", "library.properties", "module.yml"),
+    ):
         assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
     assert texts["LICENSE"].read_bytes() == (ROOT / "LICENSE").read_bytes()
 

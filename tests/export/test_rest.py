@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from firmware_export.truth.beyond import widened
+from firmware_export.truth import widened
 from firmware_export.truth.model import Model
 from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.series import evaluate, expand

@@ -117,10 +117,11 @@ def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) 
     assert (reading[:, 1] == -np.float32(np.pi)).all()
 
 
-@pytest.mark.parametrize("place", Room._fields)
-def test_a_room_that_is_larger_than_there_is_does_no_harm(place: str) -> None:
+def test_a_room_that_is_larger_than_there_is_does_no_harm() -> None:
     usual = export_of("excavator")
-    larger = host_of(with_room(usual, **{place: 255}))
-    assert larger.check() == OK
     asked = queries(usual, 50, 20)
-    assert larger.read(*asked)[0].tobytes() == host_of(usual).read(*asked)[0].tobytes()
+    known = host_of(usual).read(*asked)[0].tobytes()
+    for place in Room._fields:
+        larger = host_of(with_room(usual, **{place: 255}))
+        assert larger.check() == OK, place
+        assert larger.read(*asked)[0].tobytes() == known, place

@@ -1,18 +1,19 @@
 """The measured sizes of the runtime."""
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
 
 from firmware_export.emit import package
-from firmware_export.emit.size import BY_CODE, COUNTS, FILE, measured, parse
+from firmware_export.emit.size import BY_CODE, COUNTS, FILE, measured
 from targets import size as size_measure
 from targets.cases import of_recipe
 from targets.elf import section_bytes
 from targets.image import compiled
 
-ROWS = measured(FILE, "targets.size")
+ROWS = measured(FILE)
 
 
 def test_every_family_has_its_numbers() -> None:
@@ -45,7 +46,7 @@ def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path
 
 def test_no_export_that_was_counted_takes_more_than_its_family() -> None:
     families = {"contacts": ("points", "rails", "search"), "grid": ("tables", "tables_i", "grid")}
-    for name, row in measured(COUNTS, "targets.run").items():
+    for name, row in measured(COUNTS).items():
         codec = row["export"]["spec"].split()[0]
         most = max(ROWS[family]["code"] for family in families[codec])
         assert row["m4f -Os"]["code"] <= most, name
@@ -61,5 +62,5 @@ def test_an_update_rewrites_the_file_that_exports_read(
     shutil.copy(size_measure.PAGE, page)
     monkeypatch.setattr(size_measure, "PAGE", page)
     assert size_measure.main(["--update"]) == 0
-    assert set(parse((tmp_path / "sizes.json").read_text(), FILE, "x")) == {"grid"}
+    assert set(json.loads((tmp_path / "sizes.json").read_text())["rows"]) == {"grid"}
     assert "| grid | " in page.read_text("utf-8")

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import lutgen
 from lutgen import plot
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.errors import InputError

@@ -9,7 +9,9 @@ import pytest
 from lutgen.errors import RecipeError
 from lutgen.propose import Imported, import_urdf
 from lutgen.recipe import Recipe
-from lutgen.urdf import Meshes, Sources, load_urdf
+from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.read import load_urdf
+from lutgen.urdf.sources import Sources
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.meshes import box, capsule, cylinder, write, written
 from tests.fixtures.robots import collision, joint, link, robot

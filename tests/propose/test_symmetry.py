@@ -8,9 +8,11 @@ import pytest
 from lutgen.propose import import_urdf
 from lutgen.propose.couplings import Coupling
 from lutgen.propose.symmetry import common_name, stem
+from lutgen.recipe import Recipe
 from lutgen.recipe.kinematics import forward
-from lutgen.recipe.recipe import Recipe
-from lutgen.urdf import UrdfRobot, load_srdf, load_urdf, parse_urdf
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.read import load_urdf, parse_urdf
+from lutgen.urdf.srdf import load_srdf
 from tests.fixtures.places import VECTORS
 
 QUADRUPED = (VECTORS / "quadruped.urdf").read_text(encoding="utf-8")

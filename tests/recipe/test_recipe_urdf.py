@@ -13,8 +13,8 @@ import pytest
 import lutgen
 from lutgen.errors import LutgenError, MapFileError, RecipeError
 from lutgen.propose.proposal import import_urdf
+from lutgen.recipe import recipe_digest
 from lutgen.recipe.kinematics import forward
-from lutgen.recipe.recipe import recipe_digest
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.commands import data
 from tests.fixtures.maps import unseal

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.search.acceptable import STEPS, acceptable_range, half_widths
+from lutgen.search.methods import STEPS, acceptable_range, half_widths
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
@@ -29,25 +29,42 @@ def test_the_range_ends_where_the_cost_reaches_the_limit_and_the_others_are_kept
     assert found == pytest.approx(np.array([[-3.0, 3.0], [-1.5, 1.5]]), abs=1e-12)
     # The end that is returned is itself acceptable.
     assert tent(np.array([[found[0, 0], 0.5], [found[0, 1], 0.5]])).max() <= 4.0
-
-
-def test_the_range_ends_at_the_bounds_at_the_latest() -> None:
-    found = acceptable_range(tent, np.array([0.0]), np.array([[-1.0, 2.5]]), 2.0)
-    assert found[0, 0] == -1.0
-    assert found[0, 1] == pytest.approx(2.0, abs=1e-12)
-
-
-def test_a_geometry_on_its_bound_has_no_room_on_that_side() -> None:
-    assert acceptable_range(tent, np.array([2.0]), np.array([[-1.0, 2.0]]), 9.0).tolist() == [
-        [-1.0, 2.0]
-    ]
-
-
-def test_there_is_no_range_where_the_geometry_itself_exceeds_the_limit() -> None:
-    box = np.array([[-1.0, 1.0]])
-    assert np.isnan(acceptable_range(tent, np.array([0.5]), box, 0.4)).all()
-    # NaN is no acceptable cost either.
+    # At the bounds at the latest, and a geometry on its bound has no room on that side.
+    found = acceptable_range(tent, np.array([2.0]), np.array([[-1.0, 2.0]]), 9.0)
+    assert found.tolist() == [[-1.0, 2.0]]
+    # None where the geometry itself exceeds the limit; NaN is no acceptable cost either.
+    assert np.isnan(acceptable_range(tent, np.array([0.5]), box[:1], 0.4)).all()
     assert np.isnan(acceptable_range(lambda x: x[:, 0] * np.nan, np.array([0.5]), box, 0.4)).all()
+
+
+def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound() -> None:
+    for interval, delta in (
+        ((2.0, 6.0), 1.0),  # 3 - 2 and 6 - 3: the smaller
+        ((0.0, 6.0), 3.0),  # reaches the lower bound, which limits nothing
+        ((2.0, 10.0), 1.0),
+        ((0.0, 10.0), 7.0),  # all is acceptable
+    ):
+        found = half_widths(np.array([interval]), np.array([3.0]), np.array([[0.0, 10.0]]))
+        assert found.tolist() == [delta]
+
+
+def test_the_range_of_the_papers_robot_ends_where_the_plane_through_its_wheels_says() -> None:
+    recipe, limit = lutgen.load_recipe(MAPS / "paper_one.toml"), 0.5
+    found = lutgen.optimum(recipe, [0, 0, -1], "nelder-mead", limit=limit)
+    low, high = found.acceptable[0]
+    assert low < A0 < high
+    turns = np.radians([0.0, 120.0, 240.0])
+    for alpha in (low, high):
+        e = np.array([alpha, A0, A0])
+        wheels = np.stack([np.cos(e) * np.cos(turns), np.cos(e) * np.sin(turns), -np.sin(e)], 1)
+        wheels *= RADIUS
+        normal = np.cross(wheels[1] - wheels[0], wheels[2] - wheels[0])
+        pierced = np.array([0.0, 0.0, normal @ wheels[0] / normal[2]])
+        # The ends are known to 1e-12: the cost there is the limit.
+        reading = np.linalg.norm(pierced - wheels.mean(axis=0))
+        assert reading == pytest.approx(limit, abs=1e-10)
+    nearer = min(high - found.params[0], found.params[0] - low)
+    assert found.delta[0] == pytest.approx(nearer, abs=1e-14)  # turned to deg and back
 
 
 def test_the_first_violation_ends_the_range_though_the_cost_falls_again() -> None:
@@ -64,59 +81,6 @@ def test_the_first_violation_ends_the_range_though_the_cost_falls_again() -> Non
             0.5,
         )
         assert wall[0, 1] == pytest.approx(place, abs=1e-11)
-
-
-@pytest.mark.parametrize(
-    ("interval", "delta"),
-    [
-        ((2.0, 6.0), 1.0),  # 3 - 2 and 6 - 3: the smaller
-        ((0.0, 6.0), 3.0),  # reaches the lower bound, which limits nothing
-        ((2.0, 10.0), 1.0),
-        ((0.0, 10.0), 7.0),  # all is acceptable
-        ((3.0, 3.0), 0.0),
-    ],
-)
-def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound(
-    interval: tuple[float, float], delta: float
-) -> None:
-    found = half_widths(np.array([interval]), np.array([3.0]), np.array([[0.0, 10.0]]))
-    assert found.tolist() == [delta]
-
-
-def test_no_range_has_no_delta() -> None:
-    none = np.full((1, 2), np.nan)
-    assert np.isnan(half_widths(none, np.array([3.0]), np.array([[0.0, 10.0]]))).all()
-
-
-@pytest.mark.parametrize("limit", [0.05, 0.5, 1.0])
-def test_the_range_of_the_papers_robot_is_that_of_the_closed_form(limit: float) -> None:
-    recipe = lutgen.load_recipe(MAPS / "paper_one.toml")
-    found = lutgen.optimum(recipe, [0, 0, -1], "nelder-mead", limit=limit)
-
-    def reading(alpha: float) -> float:
-        """Return |SD_g| under gravity along -z, from the plane through the three wheels."""
-        wheels = [
-            (
-                RADIUS * math.cos(e) * math.cos(a),
-                RADIUS * math.cos(e) * math.sin(a),
-                -RADIUS * math.sin(e),
-            )
-            for e, a in zip((alpha, A0, A0), np.radians([0.0, 120.0, 240.0]), strict=True)
-        ]
-        first, second, third = np.array(wheels)
-        normal = np.cross(second - first, third - first)
-        pierced = np.array([0.0, 0.0, normal @ first / normal[2]])
-        return float(np.linalg.norm(pierced - (first + second + third) / 3.0))
-
-    low, high = found.acceptable[0]
-    # The optimum is known to 1e-4 deg, the ends to 1e-12: the cost there is the limit.
-    assert reading(low) == pytest.approx(limit, abs=1e-10)
-    assert reading(high) == pytest.approx(limit, abs=1e-10)
-    assert low < A0 < high
-    # First order: |SD_g| = (12/3) |alpha - A0|; the curve bends by some percent per unit.
-    assert found.delta[0] == pytest.approx(limit / 4.0, rel=0.25 * limit)
-    nearer = min(high - found.params[0], found.params[0] - low)
-    assert found.delta[0] == pytest.approx(nearer, abs=1e-14)  # turned to deg and back
 
 
 def test_all_that_stands_is_acceptable_without_a_limit() -> None:

@@ -10,8 +10,9 @@ from lutgen.analysis import Posture, posture_limits, tilt_limits
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose import import_urdf
-from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion, soft_limited
-from lutgen.urdf.read import FORMAT
+from lutgen.urdf.joints import read_motion, soft_limited
+from lutgen.urdf.links import centre_of_mass, places
+from lutgen.urdf.read import FORMAT, parse_urdf
 from tests.fixtures.places import ROOT
 from tests.fixtures.robots import collision, joint, link, robot
 
@@ -19,25 +20,24 @@ BALL = 'sphere radius="0.05"'
 CORNERS = [f"{x} {y} -0.2" for x in (0.3, -0.3) for y in (0.2, -0.2)]
 FEET = "".join(collision(BALL, place) for place in CORNERS)
 ARM = link("base", 10.0, "0 0 0", FEET) + link("arm", 5.0, "0.3 0 0")
+RPY, QUAT = 'rpy="0 -1.5707963267948966 0"', 'quat_xyzw="0 -3 0 3"'
 SHOULDER = joint("sh", "fixed", "base", "arm", "", "0 0 0.1", "0 -1.5707963267948966 0")
 
 
-@pytest.mark.parametrize("turn", ["0 -0.7071067811865476 0 0.7071067811865476", "0 -3 0 3"])
-def test_a_quaternion_turns_as_the_angles_do(turn: str) -> None:
-    text = robot(ARM, SHOULDER.replace('rpy="0 -1.5707963267948966 0"', f'quat_xyzw="{turn}"'))
-    com = []
-    for one in (parse_urdf(text), parse_urdf(robot(ARM, SHOULDER))):
-        com.append(centre_of_mass(one, places(one, read_motion(one))).tolist())
-    # By hand: the arm's 5 kg are 0.3 m above its joint at 0.1 m, of 15 kg.
-    assert com == [pytest.approx([0.0, 0.0, 2.0 / 15.0])] * 2
+def test_a_quaternion_turns_as_the_angles_do() -> None:
+    for turn in (RPY, 'quat_xyzw="0 -0.7071067811865476 0 0.7071067811865476"', QUAT):
+        one = parse_urdf(robot(ARM, SHOULDER.replace(RPY, turn)))
+        com = centre_of_mass(one, places(one, read_motion(one)))
+        # By hand: the arm's 5 kg are 0.3 m above its joint at 0.1 m, of 15 kg.
+        assert com.tolist() == pytest.approx([0.0, 0.0, 2.0 / 15.0])
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ('rpy="0 -1', 'quat_xyzw="0 0 0 1" rpy="0 -1', "has no turn as quat_xyzw"),
-        ('rpy="0 -1.5707963267948966 0"', 'quat_xyzw="0 0 0 0"', "has no turn as quat_xyzw"),
-        ('rpy="0 -1.5707963267948966 0"', 'quat_wxyz="1 0 0 0"', "unknown attribute quat_wxyz"),
+        (RPY, 'quat_xyzw="0 0 0 0"', "has no turn as quat_xyzw"),
+        (RPY, 'quat_wxyz="1 0 0 0"', "unknown attribute quat_wxyz"),
         ("<robot", '<robot version="2.0"', "has a version that is not known (got '2.0')"),
     ],
 )
@@ -91,12 +91,9 @@ def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
     assert guaranteed(robot(link("base", 10.0, inside=SMALL + feet))) == pytest.approx(29.74, 1e-3)
 
 
-def test_a_shape_that_nobody_knows_is_not_stood_over() -> None:
+def test_an_unknown_shape_that_is_lowest_and_a_description_without_mass_are_refused() -> None:
     with pytest.raises(RecipeError, match="a shape of kind 'torus' is not understood"):
         import_urdf(parse_urdf(on_feet("torus", "0 0 -0.05")))
-
-
-def test_a_description_without_any_mass_is_refused() -> None:
     with pytest.raises(RecipeError, match="no link has a mass"):
         import_urdf(parse_urdf(robot(link("base", inside=FEET))))
 

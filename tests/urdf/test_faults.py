@@ -1,13 +1,17 @@
-"""Files with faults, a thousand of SRDF and xacro: a sentence or an answer, nothing else."""
+"""Files with faults, a thousand of URDF, SRDF and xacro: a sentence or an answer, nothing else."""
 
 import random
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from lutgen.errors import LutgenError
 from lutgen.propose import import_urdf
-from lutgen.urdf import load_srdf, load_xacro, parse_urdf
+from lutgen.urdf.read import load_urdf
+from lutgen.urdf.sources import load_xacro
+from lutgen.urdf.srdf import load_srdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken
 
@@ -24,46 +28,44 @@ SRDF = """<?xml version="1.0"?>
 </robot>"""
 
 
-def sentence(error: LutgenError) -> None:
-    """Check that an error is one sentence that begins with its file."""
-    said = str(error)
-    assert "\n" not in said
-    assert said.endswith(".")
-    assert "broken" in said
+def stand(file: Path) -> None:
+    """Import the rover as an SRDF file says that it stands."""
+    robot = load_urdf(VECTORS / "rover.urdf")
+    found = load_srdf(file, robot)
+    name = found.standing()
+    import_urdf(robot, posture=found.posture(name) if name else None)
 
 
-def test_an_srdf_with_faults_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
-    robot = parse_urdf((VECTORS / "rover.urdf").read_text(encoding="utf-8"))
-    rng = random.Random(1)
-    file = tmp_path / "broken.srdf"
-    refused = 0
-    for _ in range(500):
-        file.write_bytes(broken(rng, SRDF))
-        try:
-            found = load_srdf(file, robot)
-            name = found.standing()
-            import_urdf(robot, posture=found.posture(name) if name else None)
-        except LutgenError as error:
-            refused += 1
-            sentence(error)
-    # Both happen, or the faults are too harsh or too mild to show anything.
-    assert 50 < refused < 450
-
-
-def test_a_xacro_with_faults_is_read_or_refused_in_a_sentence(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def expand(file: Path) -> None:
+    """Import a xacro file."""
     packages = {folder.name: folder for folder in (XACRO / "share").iterdir()}
-    sound = (XACRO / "robots" / "crane.xacro").read_text(encoding="utf-8")
-    rng = random.Random(1)
-    file = tmp_path / "broken.xacro"
-    refused = 0
-    for _ in range(125):
+    import_urdf(load_xacro(file, packages))
+
+
+@pytest.mark.parametrize(
+    ("sound", "read", "count"),
+    [
+        ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 600),
+        (SRDF, stand, 500),
+        ((XACRO / "robots" / "crane.xacro").read_text(), expand, 125),
+    ],
+    ids=["urdf", "srdf", "xacro"],
+)
+def test_a_file_with_faults_is_read_or_refused_in_a_sentence(
+    sound: str,
+    read: Callable[[Path], None],
+    count: int,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    rng, file, said = random.Random(1), tmp_path / "broken", []
+    for _ in range(count):
         file.write_bytes(broken(rng, sound))
         try:
-            import_urdf(load_xacro(file, packages))
+            read(file)
         except LutgenError as error:
-            refused += 1
-            sentence(error)
-    assert 10 < refused < 125
+            said.append(str(error))
+    # Both happen, or the faults are too harsh or too mild to show anything.
+    assert count / 12 < len(said) < count
+    assert [words for words in said if not re.fullmatch(r".*broken.*\.", words)] == []
     assert capfd.readouterr().err == ""

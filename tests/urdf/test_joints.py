@@ -28,27 +28,26 @@ def row(*joints: tuple[str, str, str]) -> UrdfRobot:
     return parse_urdf(robot(*parts), "row.urdf")
 
 
-def test_a_chain_of_mimics_multiplies_and_adds() -> None:
+def test_mimics_multiply_and_add_and_the_limits_of_a_follower_bound_its_master() -> None:
     # c = 3 b + 0.5 and b = -2 a + 0.1, so c = -6 a + 0.8; c is written before its master.
-    found = read_motion(
-        row(
-            ("c", "continuous", MIMIC.format("b", 3, 0.5)),
-            ("b", "continuous", MIMIC.format("a", -2, 0.1)),
-            ("a", "revolute", limit(-0.5, 0.5)),
-        )
-    )
+    chain = [
+        ("c", "continuous", MIMIC.format("b", 3, 0.5)),
+        ("b", "continuous", MIMIC.format("a", -2, 0.1)),
+        ("a", "revolute", limit(-0.5, 0.5)),
+    ]
+    found = read_motion(row(*chain))
     assert found.free == {"a": (-0.5, 0.5)}
     assert found.drives["a"] == Drive("a", 1.0, 0.0)
     assert found.drives["b"] == Drive("a", -2.0, 0.1)
     assert found.drives["c"] == Drive("a", -6.0, pytest.approx(0.8))
     assert found.held == {}
-
-
-def test_the_limits_of_a_follower_bound_its_master() -> None:
     # b = -2 a + 0.1 within -0.3 .. 0.2: a within -0.05 .. 0.2.
-    follower = MIMIC.format("a", -2, 0.1) + limit(-0.3, 0.2)
-    found = read_motion(row(("a", "continuous", ""), ("b", "revolute", follower)))
-    assert found.free["a"] == pytest.approx((-0.05, 0.2))
+    chain[1] = ("b", "revolute", MIMIC.format("a", -2, 0.1) + limit(-0.3, 0.2))
+    assert read_motion(row(*chain)).free["a"] == pytest.approx((-0.05, 0.2))
+    endless = [("j0", "continuous", "")]
+    endless += [(f"j{i}", "continuous", MIMIC.format(f"j{i - 1}", 1e12, 0)) for i in range(1, 40)]
+    with pytest.raises(RecipeError, match="multiply beyond 1e"):
+        read_motion(row(*endless))
 
 
 def test_a_joint_that_turns_by_a_whole_turn_or_has_no_limits_has_one_turn() -> None:
@@ -114,32 +113,19 @@ def test_held_joints_stand_at_zero_or_at_their_limit_nearest_to_zero() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("aa", "there is no such joint (got 'aa'); did you mean 'a'"),
-        ("b", "it follows 'a'"),
-        ("c", "is fixed"),
-        ("d", "is planar"),
-    ],
-)
-def test_a_chosen_joint_that_cannot_be_free_is_refused(name: str, said: str) -> None:
+def test_a_chosen_joint_that_cannot_be_free_is_refused() -> None:
     described = row(
-        ("a", "continuous", ""),
-        ("b", "continuous", MIMIC.format("a", 1, 0)),
-        ("c", "fixed", ""),
-        ("d", "planar", ""),
+        *(("a", "continuous", ""), ("b", "continuous", MIMIC.format("a", 1, 0))),
+        *(("c", "fixed", ""), ("d", "planar", "")),
     )
-    with pytest.raises(RecipeError) as caught:
-        read_motion(described, [name])
-    assert said in str(caught.value)
-
-
-def test_mimics_that_multiply_to_enormous_numbers_are_refused() -> None:
-    chain = [("j0", "continuous", "")]
-    chain += [(f"j{i}", "continuous", MIMIC.format(f"j{i - 1}", 1e12, 0)) for i in range(1, 40)]
-    with pytest.raises(RecipeError, match="multiply beyond 1e"):
-        read_motion(row(*chain))
+    for name, said in {
+        "aa": "there is no such joint .got 'aa'.; did you mean 'a'",
+        "b": "it follows 'a'",
+        "c": "is fixed",
+        "d": "is planar",
+    }.items():
+        with pytest.raises(RecipeError, match=said):
+            read_motion(described, [name])
 
 
 TURNS = '<axis xyz="0 0 1"/><limit lower="{}" upper="{}" effort="1" velocity="1"/>'

@@ -13,7 +13,10 @@ import pytest
 
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
-from lutgen.urdf import Collision, Meshes, Sources, foot_of, wheel_of
+from lutgen.urdf.description import Collision
+from lutgen.urdf.feet import foot_of, wheel_of
+from lutgen.urdf.meshes import Meshes
+from lutgen.urdf.sources import Sources
 from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, stl, write
 
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -22,7 +25,7 @@ HERE = np.zeros(3)
 
 
 def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object) -> Collision:
-    return Collision("", "mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
+    return Collision("mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
 
 
 def corners(folder: Path, shape: Collision) -> np.ndarray:
@@ -156,28 +159,22 @@ def test_what_is_no_mesh_is_named_with_its_cause(
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("scale", [(), (1.0, 1.0), (1.0, 0.0, 1.0), (1.0, math.nan, 1.0)])
-def test_a_scale_that_is_none_is_refused(scale: tuple[float, ...], tmp_path: Path) -> None:
-    write(tmp_path / "a.stl", box(1, 1, 1))
-    with pytest.raises(InputError, match="has no scale"):
-        corners(tmp_path, mesh("a.stl", scale))
-
-
-def test_a_folder_and_a_file_that_is_too_long_are_refused(
+def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    write(tmp_path / "a.stl", box(1, 1, 1))
+    for scale in ((), (1.0, 1.0), (1.0, 0.0, 1.0), (1.0, math.nan, 1.0)):
+        with pytest.raises(InputError, match="has no scale"):
+            corners(tmp_path, mesh("a.stl", scale))
     (tmp_path / "b.stl").mkdir()
     with pytest.raises(InputError, match="there is no such file"):
         corners(tmp_path, mesh("b.stl"))
-    write(tmp_path / "a.stl", box(1, 1, 1))
     size = (tmp_path / "a.stl").stat().st_size
-    for limit, fits in ((size, True), (size - 1, False)):
-        monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", limit)
-        if fits:
-            assert len(corners(tmp_path, mesh("a.stl"))) == 8
-        else:
-            with pytest.raises(InputError, match=f"longer than {limit} bytes"):
-                corners(tmp_path, mesh("a.stl"))
+    monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size)
+    assert len(corners(tmp_path, mesh("a.stl"))) == 8
+    monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size - 1)
+    with pytest.raises(InputError, match=f"longer than {size - 1} bytes"):
+        corners(tmp_path, mesh("a.stl"))
 
 
 def test_without_the_package_one_sentence_says_how_to_get_it(
@@ -190,29 +187,23 @@ def test_without_the_package_one_sentence_says_how_to_get_it(
 
 
 @pytest.mark.parametrize("sides", [12, 16, 33, 100])
-def test_a_cylinder_about_its_axle_is_a_wheel_of_its_radius_and_width(sides: int) -> None:
-    found = wheel_of(cylinder(0.1, 0.04, sides), HERE, SIDEWAYS)
-    assert found is not None
-    assert (found.kind, found.origin) == ("cylinder", (0.0, 0.0, 0.0))
-    assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)
-    # Its z is along the axle.
-    assert np.abs(rotation(found.rpy)[:, 2] @ SIDEWAYS) == pytest.approx(1.0)
-    # The only error is the facets' sagitta, printed in mm with two digits.
-    sagitta = 100.0 * (1.0 - math.cos(math.pi / sides))
-    assert float(found.note.split("off by at most ")[1].split()[0]) == pytest.approx(
-        sagitta, abs=0.006
-    )
-
-
-def test_a_wheel_may_be_anywhere_and_turned_about_any_axle() -> None:
+def test_a_cylinder_anywhere_about_any_axle_is_a_wheel_of_its_radius_and_width(sides: int) -> None:
     turn, origin = rotation((0.3, -0.7, 1.1)), np.array([0.5, -0.2, 0.1])
-    placed = cylinder(0.1, 0.04) @ turn.T + origin
     axle = turn @ SIDEWAYS
     # The joint may be beside the middle of the wheel.
-    found = wheel_of(placed, origin + 0.3 * axle, axle)
+    found = wheel_of(cylinder(0.1, 0.04, sides) @ turn.T + origin, origin + 0.3 * axle, axle)
     assert found is not None
-    assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)
+    assert found.kind == "cylinder"
     assert found.origin == pytest.approx(tuple(origin), abs=1e-6)
+    assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)
+    # Its z is along the axle.
+    assert np.abs(rotation(found.rpy)[:, 2] @ axle) == pytest.approx(1.0)
+    # The only error is the facets' sagitta, printed in mm with two digits, seen from directions
+    # that are 0.25 deg apart.
+    said = float(found.note.split("off by at most ")[1].split()[0])
+    half = math.pi / sides
+    missed = 100.0 * math.sin(half) * math.radians(0.125)
+    assert said == pytest.approx(100.0 * (1.0 - math.cos(half)), abs=0.006 + missed)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ import math
 import pytest
 
 from lutgen.propose import import_urdf
-from lutgen.urdf import parse_urdf
 from lutgen.urdf.printed import meant
+from lutgen.urdf.read import parse_urdf
+from tests.fixtures.robots import collision, joint, link, robot
 
 QUARTER = math.pi / 2.0
 
@@ -46,24 +47,21 @@ def test_any_other_angle_is_what_it_says(text):
 
 def car(quarter: str) -> str:
     """Return the URDF of a car on four cylinders whose axles are turned by a quarter."""
-    parts = '<link name="base"><inertial><mass value="9"/></inertial></link>'
+    parts = [link("base", 9.0)]
     for k, (x, y) in enumerate((x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2)):
         turn = f"-{quarter}" if y > 0.0 else quarter
-        parts += (
-            f'<link name="wheel{k}"><inertial><mass value="1"/></inertial><collision><geometry>'
-            '<cylinder radius="0.1" length="0.04"/></geometry></collision></link>'
-            f'<joint name="axle{k}" type="continuous"><parent link="base"/><child link="wheel{k}"/>'
-            f'<origin xyz="{x} {y} -0.1" rpy="{turn} 0 0"/><axis xyz="0 0 1"/></joint>'
-        )
-    return f'<robot name="car">{parts}</robot>'
+        wheel = collision('cylinder radius="0.1" length="0.04"')
+        axle, place = '<axis xyz="0 0 1"/>', (f"{x} {y} -0.1", f"{turn} 0 0")
+        parts.append(link(f"wheel{k}", 1.0, inside=wheel))
+        parts.append(joint(f"axle{k}", "continuous", "base", f"wheel{k}", axle, *place))
+    return robot(*parts, name="car")
 
 
-@pytest.mark.parametrize("quarter", ["1.57", "1.5708", "1.5707"])
-def test_wheels_whose_quarter_turns_lack_digits_make_the_same_recipe_and_it_is_said(quarter):
+def test_wheels_whose_quarter_turns_lack_digits_make_the_same_recipe_and_it_is_said():
     exact = import_urdf(parse_urdf(car(repr(QUARTER)), "car.urdf"))
-    short = import_urdf(parse_urdf(car(quarter), "car.urdf"))
-    assert short.text == exact.text
-    said = f"how far printed angles are off the parts of a turn that they stand for: {quarter}"
-    assert [line for line in short.left_out if line not in exact.left_out] == [
-        f"{said}, -{quarter}"
-    ]
+    for quarter in ("1.57", "1.5708", "1.5707"):
+        short = import_urdf(parse_urdf(car(quarter), "car.urdf"))
+        assert short.text == exact.text
+        said = "how far printed angles are off the parts of a turn that they stand for"
+        more = [line for line in short.left_out if line not in exact.left_out]
+        assert more == [f"{said}: {quarter}, -{quarter}"]

@@ -1,18 +1,15 @@
 """Reading robot descriptions: what is read, and what is refused in one sentence."""
 
 import math
-import random
 import time
 from pathlib import Path
 
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.propose.proposal import import_urdf
 from lutgen.urdf.description import Mimic, UrdfRobot
 from lutgen.urdf.read import load_urdf, parse_urdf
-from tests.fixtures.places import VECTORS
-from tests.fixtures.robots import broken, collision, joint, link, real, robot
+from tests.fixtures.robots import collision, joint, link, real, robot
 
 PAIR = link("base", 2.0) + link("arm", 1.0)
 
@@ -46,10 +43,8 @@ def test_links_hold_mass_com_and_placed_collision_shapes() -> None:
     ]
     assert found.collisions[0].origin == (1.0, 2.0, 3.0)
     assert found.collisions[1].rpy == (1.5, 0.0, 0.0)
-
-
-def test_a_link_without_inertial_weighs_nothing() -> None:
-    assert [part.mass for part in parse_urdf(robot(link("base"))).links] == [0.0]
+    # Without an <inertial> it weighs nothing.
+    assert parse_urdf(robot(link("base"))).links[0].mass == 0.0
 
 
 @pytest.mark.parametrize(
@@ -97,82 +92,65 @@ OUTSIDE = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot na
 TWO = joint("j", "fixed", "base", "arm")
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (BOMB, "has a document type declaration"),
-        (OUTSIDE, "has a document type declaration"),
-        ("<!DOCTYPE robot SYSTEM 'http://x/y.dtd'><robot/>", "has a document type declaration"),
-        ("<a>" * 200 + "</a>" * 200, "nested deeper than 100"),
-        ("<robot", "is not XML"),
-        ("", "is not XML"),
-        (b"\xff\xfe\x00", "is not XML"),
-        ('<?xml version="1.0" encoding="klingon"?><robot/>', "is not XML"),
-        ("<sdf/>", "is not <robot>"),
-        (robot(), "needs 1 to 10000 links"),
-        (
-            robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"),
-            "is xacro that was not expanded (got '<xacro:macro>'); pass --xacro",
-        ),
-        (robot(link("base"), "<link/>"), "a <link>: has no name"),
-        (robot(link("base"), link("base")), "link 'base': is given more than once"),
-        (robot(PAIR), "has 2 links without a parent"),
-        (robot(PAIR, link("c"), TWO, joint("j", "fixed", "arm", "c")), "joint 'j': is given more"),
-        (robot(PAIR, joint("j", "fixed", "bse", "arm")), "did you mean 'base'"),
-        (robot(PAIR, joint("j", "fixed", "base", "")), "names no child link"),
-        (robot(PAIR, joint("j", "hinge", "base", "arm")), "has an unknown type"),
-        (robot(PAIR, TWO, joint("k", "fixed", "base", "arm")), "has two parents"),
-        (robot(PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
-        (robot(PAIR, joint("j", "fixed", "arm", "arm")), "is its own ancestor"),
-        (
-            robot(link("o"), PAIR, TWO, joint("k", "fixed", "arm", "base")),
-            "is its own ancestor",
-        ),
-        (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 0 0"/>')), "axis without"),
-        (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 1"/>')), "no vector"),
-        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="0 nan 0")), "no vector as xyz"),
-        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "pass --xacro"),
-        (
-            robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="2" upper="1"/>')),
-            "lower limit above",
-        ),
-        (
-            robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="inf" upper="inf"/>')),
-            "limits far from zero",
-        ),
-        (
-            robot(PAIR, joint("j", "revolute", "base", "arm", '<mimic joint="i"/>')),
-            "mimics what is no joint",
-        ),
-        (
-            robot(PAIR, joint("j", "revolute", "base", "arm", '<mimic joint="j"/>')),
-            "mimics itself",
-        ),
-        (robot('<link name="a"><inertial/></link>'), "without <mass>"),
-        (robot(link("a", -1.0)), "negative mass"),
-        (robot(link("a", math.inf)), "no number as value"),
-        (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
-        (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
-        (robot(link("a", inside="<inertial/><inertial/>")), "more than one <inertial>"),
-        ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
-        ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
-        (robot(link("base", 1e300)), "no number as value"),
-        (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
-        (robot(link("a" * 201)), "has an unusable name"),
-        (robot(link("a&#10;b")), "has an unusable name"),
-        (robot(link("a&#x9b;31m")), "has an unusable name"),
-        (robot(link("a"), name="&#x202e;"), "has an unusable name"),
-        (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
-        (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
-        ("\ud800", "is not XML"),
-        (bytes(range(256)) * 10, "is not XML"),
-        ("<robot>&undefined;</robot>", "is not XML"),
-        ("<robot/><robot/>", "is not XML"),
-        ("<robot a='1' a='2'/>", "is not XML"),
-        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "is not XML"),
-        ('<?xml version="1.0" encoding="rot13"?><robot/>', "is not XML"),
-    ],
-)
+def turning(inside: str) -> str:
+    """Return a description of two links and a revolute joint."""
+    return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
+
+
+FAULTS = [
+    (BOMB, "has a document type declaration"),
+    (OUTSIDE, "has a document type declaration"),
+    ("<!DOCTYPE robot SYSTEM 'http://x/y.dtd'><robot/>", "has a document type declaration"),
+    ("<a>" * 200 + "</a>" * 200, "nested deeper than 100"),
+    ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
+    *((text, "is not XML") for text in ("<robot", "", "\ud800", "<robot/><robot/>")),
+    *((text, "is not XML") for text in ("<robot>&undefined;</robot>", "<robot a='1' a='2'/>")),
+    *((raw, "is not XML") for raw in (b"\xff\xfe\x00", bytes(range(256)) * 10)),
+    *(
+        (f'<?xml version="1.0" encoding="{code}"?><robot/>', "is not XML")
+        for code in ("klingon", "utf-7", "rot13")
+    ),
+    ("<sdf/>", "is not <robot>"),
+    ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
+    (robot(), "needs 1 to 10000 links"),
+    (
+        robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"),
+        "is xacro that was not expanded (got '<xacro:macro>'); pass --xacro",
+    ),
+    (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "pass --xacro"),
+    (robot(link("base"), "<link/>"), "a <link>: has no name"),
+    *((robot(link(name)), "has an unusable name") for name in ("a" * 201, "a&#10;b", "a&#x9b;31m")),
+    (robot(link("a"), name="&#x202e;"), "has an unusable name"),
+    (robot(link("base"), link("base")), "link 'base': is given more than once"),
+    (robot(PAIR), "has 2 links without a parent"),
+    (robot(PAIR, link("c"), TWO, joint("j", "fixed", "arm", "c")), "joint 'j': is given more"),
+    (robot(PAIR, joint("j", "fixed", "bse", "arm")), "did you mean 'base'"),
+    (robot(PAIR, joint("j", "fixed", "base", "")), "names no child link"),
+    (robot(PAIR, joint("j", "hinge", "base", "arm")), "has an unknown type"),
+    (robot(PAIR, TWO, joint("k", "fixed", "base", "arm")), "has two parents"),
+    (robot(PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
+    (robot(PAIR, joint("j", "fixed", "arm", "arm")), "is its own ancestor"),
+    (robot(link("o"), PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
+    (turning('<axis xyz="0 0 0"/>'), "axis without"),
+    (turning('<axis xyz="0 1"/>'), "no vector"),
+    (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="0 nan 0")), "no vector as xyz"),
+    (turning('<limit lower="2" upper="1"/>'), "lower limit above"),
+    (turning('<limit lower="inf" upper="inf"/>'), "limits far from zero"),
+    (turning('<mimic joint="i"/>'), "mimics what is no joint"),
+    (turning('<mimic joint="j"/>'), "mimics itself"),
+    (robot('<link name="a"><inertial/></link>'), "without <mass>"),
+    (robot(link("a", inside="<inertial/><inertial/>")), "more than one <inertial>"),
+    (robot(link("a", -1.0)), "negative mass"),
+    *((robot(link("a", mass)), "no number as value") for mass in (math.inf, 1e300)),
+    (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
+    (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
+    (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
+    (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
+    (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
+]
+
+
+@pytest.mark.parametrize(("content", "said"), FAULTS)
 def test_a_fault_is_refused_in_one_sentence(content: str | bytes, said: str) -> None:
     text = refusal(content)
     assert said in text
@@ -211,27 +189,6 @@ def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content: s
     assert [(part.name, part.mass) for part in found.links] == [("base", 2.0)]
 
 
-def test_no_fault_ever_leaves_the_reader_as_anything_but_a_recipe_error() -> None:
-    sound = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
-    rng = random.Random(1)
-    end = time.perf_counter() + 2.0
-    read = refused = 0
-    lines: set[int] = set()
-    # As many as two seconds hold, but the same ones in every run as far as it gets.
-    while time.perf_counter() < end and read + refused < 3_000:
-        content = broken(rng, sound)
-        try:
-            import_urdf(parse_urdf(content, "fuzz.urdf"))
-            read += 1
-        except RecipeError as error:
-            refused += 1
-            lines.add(str(error).count("\n"))
-    # Both happen, or the faults are too harsh or too mild to show anything.
-    assert read > 20
-    assert refused > 100
-    assert lines == {0}
-
-
 def test_ten_megabytes_are_read_and_more_than_sixteen_are_refused() -> None:
     begin = time.perf_counter()
     text = robot(link("base", inside="<visual><x/></visual>" * 500_000))
@@ -239,12 +196,7 @@ def test_ten_megabytes_are_read_and_more_than_sixteen_are_refused() -> None:
     assert isinstance(parse_urdf(text), UrdfRobot)
     # Measured 8 s on a busy machine; a reader that is quadratic in the number takes hours.
     assert time.perf_counter() - begin < 60.0
-    assert "is longer than" in refusal(text + " " * 7_000_000)
-
-
-def test_a_file_whose_joints_name_links_that_it_does_not_have_is_refused() -> None:
-    text = robot(link("ctu/base", 1.0), link("ctu/arm"), joint("j", "fixed", "base", "arm"))
-    assert "joint 'j': parent is no link of the robot (got 'base')" in refusal(text)
+    assert "is too long" in refusal(text + " " * 7_000_000)
 
 
 @pytest.mark.needs("robots")

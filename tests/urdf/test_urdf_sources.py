@@ -8,7 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
-from lutgen.urdf import load_urdf
+from lutgen.urdf.read import load_urdf
 from lutgen.urdf.sources import Sources, load_xacro
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
@@ -58,11 +58,7 @@ def test_without_them_one_sentence_names_the_package_and_the_option(tmp_path: Pa
 
 @pytest.mark.parametrize(
     ("variable", "value"),
-    [
-        ("ROS_PACKAGE_PATH", SHARE),
-        ("ROS_PACKAGE_PATH", VECTORS / "xacro"),
-        ("AMENT_PREFIX_PATH", VECTORS / "xacro"),
-    ],
+    [(name, VECTORS / "xacro") for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")],
 )
 def test_without_them_the_environment_is_enough(
     variable: str, value: Path, monkeypatch: pytest.MonkeyPatch

@@ -1,9 +1,8 @@
-"""Four ways to a minimum inside a box, and what each of them did on the way.
+"""Four methods that find a minimum inside a box, and how far it may be left.
 
-Owns the methods; what is minimised is a function of rows.  The first three are the paper's:
-the smallest node of a map, Nelder-Mead (MATLAB's fminsearch), and a search that refines a mesh of
-five nodes a side.  The paper says of its search that it can end in a local minimum; `multistart`
-is the answer to that.
+Three are the paper's: the smallest node of a map, Nelder-Mead (MATLAB's fminsearch), and a search
+that refines a mesh of five nodes a side.  The paper says of its search that it can end in a local
+minimum; `multistart` is the answer to that.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,6 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lutgen.bracket import halve
 
 Floats = NDArray[np.float64]
 # Takes (m, k) points and returns (m,) costs.
@@ -34,6 +35,9 @@ FINALISTS = 5
 # collapsed on a crease of |SD_g|, until none of them helps or for so many rounds.
 FRESH_SIMPLICES = (FIRST_SIMPLEX, FIRST_SIMPLEX / 4.0, FIRST_SIMPLEX / 16.0)
 ROUNDS = 5
+# Steps of the walk across the bounds to the end of what is acceptable; a violation narrower than
+# one may be stepped over.  The last one is halved: the end is known to 1e-13 of the bounds.
+STEPS, HALVINGS = 256, 36
 
 
 @dataclass(frozen=True)
@@ -208,3 +212,46 @@ def _apart(points: Floats, costs: Floats, bounds: Floats, most: int) -> list[int
         if len(chosen) == most:
             break
     return chosen
+
+
+def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> Floats:
+    """Return the largest interval of each parameter in which the cost stays within a limit.
+
+    (k, 2), NaN throughout where the geometry `best` (k,) itself exceeds the limit.  While one
+    parameter varies the others keep its values; intervals end at the `bounds` (k, 2) at the latest.
+
+    Examples
+    --------
+    >>> bowl = lambda x: (x**2).sum(axis=1)
+    >>> acceptable_range(bowl, np.zeros(2), np.array([[-3.0, 3.0], [-1.0, 3.0]]), 4.0).round(9)
+    array([[-2.,  2.],
+           [-1.,  2.]])
+    """
+    result = np.full((len(best), 2), np.nan)
+    if not cost(best[None, :])[0] <= limit:
+        return result
+    for axis, side in np.ndindex(result.shape):
+
+        def exceeds(values: Floats, axis: int = axis) -> NDArray[np.bool_]:
+            rows = np.tile(best, (len(values), 1))
+            rows[:, axis] = values
+            return ~(cost(rows) <= limit)
+
+        line = np.linspace(best[axis], bounds[axis, side], STEPS + 1)
+        bad = np.flatnonzero(exceeds(line[1:]))
+        result[axis, side] = bounds[axis, side]
+        if bad.size:
+            ends = line[bad[:1]], line[bad[:1] + 1]
+            result[axis, side] = halve(exceeds, *ends, HALVINGS)[0][0]
+    return result
+
+
+def half_widths(found: Floats, best: Floats, bounds: Floats) -> Floats:
+    """Return (k,) the paper's delta: best +- delta is acceptable as far as the bounds go.
+
+    A side that reaches its bound does not limit delta.
+    """
+    left, right = best - found[:, 0], found[:, 1] - best
+    free_left, free_right = found[:, 0] <= bounds[:, 0], found[:, 1] >= bounds[:, 1]
+    delta = np.where(free_left, right, np.where(free_right, left, np.minimum(left, right)))
+    return np.where(free_left & free_right, np.maximum(left, right), delta)

@@ -1,11 +1,11 @@
-"""The file that `lutgen stance` reads: feet on uneven ground, and the weight on them."""
+"""The file of `lutgen stance`: feet on uneven ground, and the weight on them."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from lutgen.analysis import Footing
+from lutgen.analysis.uneven import Footing
 from lutgen.recipe import read_tables, read_text
 from lutgen.recipe.load import NOTHING, Fault, refuse
 from lutgen.recipe.robot import unit

@@ -1,19 +1,25 @@
 """One posture of a robot as Python sees it: its support facets and its tip-over axes.
 
-Owns the step from the kernels' flat arrays to objects, for questions about one posture.  Every
-function of this room that asks about one posture takes a `Posture`; those that take many at once
-take a recipe and (m, k) rows of geometry parameters.
+Every function of this room that asks about one posture takes a `Posture`; those that take many at
+once take a recipe and (m, k) rows of geometry parameters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
+from lutgen.recipe import (
+    Postures,
+    Recipe,
+    body_parts,
+    forward,
+    radii_and_kinds,
+    robot_size_of,
+)
 from lutgen.support import (
     ACCEPTED,
     ARCS,
@@ -22,10 +28,16 @@ from lutgen.support import (
     empty_region,
     pack,
     seat_beyond,
+    seat_under,
     stand,
     support_contact,
+    support_height,
 )
 from lutgen.vector import Floats
+
+# Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
+# spheres that stand for it.
+SLACK = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,32 +112,17 @@ class Stance:
     convex: bool
     region: Region
 
-    def under(self, gravity_dir: Floats) -> NDArray[np.intp]:
-        """Return the index (g,) of the facet on the ground for (g, 3) directions; -1 for none."""
-        if not self.facets:
-            return np.full(len(gravity_dir), -1)
-        planes = np.array([facet.normal / facet.height for facet in self.facets])
-        rates = gravity_dir @ planes.T
-        highest = rates.max(axis=1)
-        # Ties go to the lower index, as in `region.seat_under`.
-        nearest = np.argmax(rates * (1.0 + 1e-12) >= highest[:, None], axis=1)
-        return np.where(highest > 0.0, nearest, -1)
+    def under(self, direction: Floats) -> Facet | None:
+        """Return the facet that gravity along a direction (3,) pierces, or None."""
+        x, y, z = direction.tolist()
+        k = seat_under(self.region, (x, y, z))
+        return self.facets[k] if k >= 0 else None
 
 
 class Posture:
-    """One geometry of a robot.
+    """One geometry of a robot: its parameters (k,), rad or the recipe's length unit.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or the recipe's length unit.
-
-    Attributes
-    ----------
-    row : (1, k) float64
-        The parameters, as functions of many postures take them.
+    `row` (1, k) are these parameters as functions of many postures take them.
 
     Examples
     --------
@@ -204,3 +201,25 @@ def _facet(region: Region, k: int) -> Facet:
         tuple(seat_beyond(region, e) for e in edges),
         bool(seat["is_rest"]),
     )
+
+
+def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
+    """Return how far links without contacts would reach below the ground, by their name.
+
+    It is the depth below the plane of the facet that is on the ground, of those whose depth is more
+    than 1 % of the robot's size; empty where nothing is known of the body.
+    """
+    recipe = posture.recipe
+    parts = body_parts(recipe)
+    if not parts:
+        return {}
+    # Sizes are the robot's, not those of a robot on all its parts.
+    least = SLACK * robot_size_of(recipe)
+    body = Posture(replace(recipe, contacts=parts), posture.params).primitives
+    x, y, z = facet.normal.tolist()
+    result: dict[str, float] = {}
+    for i, part in enumerate(parts):
+        depth = support_height(body, i, (x, y, z)) - facet.height
+        if depth > least:
+            result[part.link] = max(depth, result.get(part.link, 0.0))
+    return result

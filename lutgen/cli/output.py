@@ -1,0 +1,182 @@
+"""What commands print: a report as JSON or in words, numbers for either, columns."""
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lutgen.errors import one_line
+from lutgen.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from lutgen.cli.options import Assignments, FigureOptions
+    from lutgen.recipe import Recipe
+
+# Exit code of a question whose answer is no.
+NO = 1
+# Exit code of a verdict that a robot tips over, or that nobody can tell; of every command that has
+# one (docs/guide/commands.md).
+TIPS = 3
+# What a verdict is called in words, by the status of a report.
+VERDICTS = {"stands": "stands", "rocks": "rocks", "tips": "tips over"}
+
+
+def show(
+    report: Mapping[str, Any],
+    lines: Callable[[dict[str, Any]], Iterable[str]],
+    as_json: bool,
+    code: int = 0,
+) -> None:
+    """Print a report as JSON, or the lines that say the same; exit with the code of its answer."""
+    values = plain(report)
+    said = [json.dumps(values, indent=2, allow_nan=False)] if as_json else lines(values)
+    for line in said:
+        # A name may hold characters that a terminal obeys, or another line.
+        click.echo(line if as_json else one_line(line))
+    if code:
+        click.get_current_context().exit(code)
+
+
+def silent(report: dict[str, Any]) -> Iterable[str]:
+    """Return no lines: in words the file that was made is all that there is to say."""
+    return ()
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, null where a number is not finite."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    return [plain(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+def degrees(value: float | None) -> float | None:
+    """Return an angle (rad) in deg."""
+    return None if value is None else math.degrees(value)
+
+
+def channel_entries(values: Mapping[str, float]) -> dict[str, Any]:
+    """Return channels or metrics under their names in a report; tip-over angles in deg.
+
+    A channel of words comes as a word.
+    """
+    entries: dict[str, Any] = {}
+    for name, value in values.items():
+        one = QUANTITIES.get(name)
+        if one is None:
+            # The force-angle measure is no channel.
+            entries[f"{name}_rad"] = value
+        elif one.words:
+            entries[name] = one.word(value)
+        else:
+            entries[one.json] = int(value) if one.unit == "1" else one.shown(value)
+    return entries
+
+
+def by_unit(recipe: "Recipe", params: "NDArray[Any]", ending: str = "") -> dict[str, Any]:
+    """Return parameters (..., k) in their display units, named with them: numbers or lists."""
+    entries = {}
+    for i, p in enumerate(recipe.parameters):
+        unit = "" if p.display_unit == "1" else f"_{p.display_unit}"
+        entries[f"{p.name}{ending}{unit}"] = p.shown(params[..., i]).tolist()
+    return entries
+
+
+def posture_entries(
+    recipe: "Recipe", params: "NDArray[Any]", given: "Assignments"
+) -> dict[str, Any]:
+    """Return what a report says of a posture that was not given whole; else nothing."""
+    from lutgen.cli.options import posture_source
+
+    source = posture_source(recipe, given)
+    return {"posture": by_unit(recipe, params), "posture_from": source} if source else {}
+
+
+def posture_text(posture: Mapping[str, float]) -> str:
+    """Return a posture as text."""
+    parts = []
+    for key, value in posture.items():
+        name, _, unit = key.rpartition("_")
+        known = unit in ("deg", "rad", "m", "cm", "mm") and name
+        parts.append(f"{name} = {value:.6g} {unit}" if known else f"{key} = {value:.6g}")
+    return ", ".join(parts) or "-"
+
+
+def posture_lines(report: Mapping[str, Any]) -> list[str]:
+    """Return the line of `posture_entries`, or none."""
+    if "posture_from" not in report:
+        return []
+    return [f"{posture_text(report['posture'])} ({report['posture_from']})"]
+
+
+def unit_text(unit: str) -> str:
+    """Return what follows a length; those of unit 1 are ratios."""
+    return "" if unit == "1" else f" {unit}"
+
+
+def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
+    """Return a number as text, a dash where there is none.
+
+    What rounding leaves of zero is zero, and zero has no sign.
+    """
+    if value is None:
+        return "-"
+    return f"{0.0 if abs(value) < 1e-12 else value:{form}}{unit}"
+
+
+def aligned(rows: Iterable[Sequence[str]], numbers: Iterable[int] = ()) -> list[str]:
+    """Return rows as lines of columns, each as wide as it needs; those of numbers to the right."""
+    rows = [*rows]
+    right, count = set(numbers), max(map(len, rows), default=0)
+    # A row may end early.
+    width = [max(len(row[i]) for row in rows if i < len(row)) for i in range(count)]
+    return [
+        "  ".join(
+            f"{text:{'>' if i in right else '<'}{width[i]}}" for i, text in enumerate(row)
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def file_size(count: float) -> str:
+    """Return a number of bytes as people read it."""
+    unit = "B"
+    for larger in ("KiB", "MiB", "GiB"):
+        if count < 1024.0:
+            break
+        count, unit = count / 1024.0, larger
+    return f"{count:.0f} B" if unit == "B" else f"{count:.1f} {unit}"
+
+
+def check_outputs(force: bool, *paths: str | None) -> None:
+    """Refuse, before the work, to write figures and films where lutgen made nothing."""
+    from lutgen.files import check_target
+
+    for path in paths:
+        if path is not None:
+            check_target(path, force)
+
+
+def save_figure(draw: Callable[[], Any], path: str | None, options: "FigureOptions") -> None:
+    """Draw a figure on the sheet that was asked for and write it, if it has a path."""
+    if path is not None:
+        from lutgen.plot import on_sheet, save
+
+        with on_sheet(options.size, options.style):
+            save(draw(), path, force=options.force)
+
+
+def save_columns(columns: Mapping[str, Sequence[Any]], path: str | None, force: bool) -> None:
+    """Write columns of equal length as CSV, if there is a path."""
+    if path is not None:
+        from lutgen.files import csv_text, write_text
+
+        text = csv_text(list(columns), zip(*columns.values(), strict=True))
+        write_text(path, text, force)

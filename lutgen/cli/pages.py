@@ -1,0 +1,89 @@
+"""`lutgen explore` and `lutgen paper`: pages that need no other file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lutgen.cli import options as given
+from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.output import check_outputs, show, silent
+from lutgen.errors import InputError
+
+ENDINGS = (".html", ".htm")
+
+
+@dataclass(frozen=True)
+class ExploreOptions(RecipeOptions):
+    """Options of `lutgen explore`."""
+
+    output: str = given.output(required=True, help="The page, an HTML file.")
+    force: bool = given.force()
+
+
+@dataclass(frozen=True)
+class PaperOptions:
+    """Options of `lutgen paper`."""
+
+    output: str = option(
+        "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
+    )
+    force: bool = given.force()
+    as_json: bool = given.as_json()
+
+
+@command("source", ExploreOptions, "Write a page on which the robot is moved by hand.")
+def explore(source: str, options: ExploreOptions) -> None:
+    """Write one offline HTML page of SOURCE, a recipe, a map or a folder of `lutgen export`.
+
+    The page shows the robot in 3-D on its ground, the directions of gravity in which it stands,
+    and a map over two joints.  What it answers is the exported C, compiled to WebAssembly.
+    Without a folder the tables are of the codec contacts.
+
+    \b
+    $ lutgen explore recipe:absolem -o absolem.html
+    """
+    from firmware_export.explore import answers_of_export, answers_of_recipe, page_text
+    from lutgen.files import write_text
+
+    suffix = Path(options.output).suffix.lower()
+    if suffix not in ENDINGS:
+        raise InputError(
+            f"{options.output}: is no name of a page (got {suffix or 'no suffix'!r}); "
+            f"end it in {' or '.join(ENDINGS)}."
+        )
+    check_outputs(options.force, options.output)
+    if Path(source).is_dir():
+        from firmware_export.device import ExportFolder
+
+        folder = ExportFolder(source)
+        recipe, answers = folder.recipe(), answers_of_export(folder)
+    else:
+        recipe = open_recipe(source, options.allow_python)
+        answers = answers_of_recipe(recipe)
+    write_text(options.output, page_text(recipe, answers), force=options.force)
+    report = {
+        "robot": recipe.name,
+        "digest": recipe.digest,
+        "source": source,
+        "page": options.output,
+        "bytes": Path(options.output).stat().st_size,
+        "answers": answers.about,
+    }
+    show(report, silent, options.as_json)
+
+
+@command(None, PaperOptions, "Reproduce the paper: figures, tables, one page.")
+def paper(options: PaperOptions) -> None:
+    """Compute the paper's three simulations again and write a report.
+
+    The folder gets paper.html, which needs no other file, and beside it the figures as PNG, the
+    numbers as CSV and the stability map as HDF5.  It takes about half a minute of one core once the
+    kernels are compiled.
+
+    \b
+    $ lutgen paper -o paper
+    """
+    from lutgen.paper import write_report
+
+    page = str(write_report(options.output, lambda what: log.info("%s", what), options.force))
+    report = {"folder": options.output, "page": page}
+    show(report, lambda report: [report["page"]], options.as_json)

@@ -1,0 +1,198 @@
+"""`lutgen eval` of a recipe and of a map: what it prints, in which units, and its exit codes."""
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.places import MAPS, VECTORS
+from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod
+
+A0 = math.degrees(math.atan(0.6))
+POINT = ("-p", "reach=0.3", "-p", "swing=10")
+# Nose down by so much `rocker` rocks, stands on its front wheels, and tips over them.
+SEEN = {"rocks": "0,0,-1", "stands": "0.36,0,-1", "tips": "1.5,0,-1"}
+CART = feet([(0.3, 0.3, -0.4), (-0.3, 0.3, -0.4), (-0.3, -0.3, -0.4), (0.3, -0.3, -0.4)])
+CART += '[[robot.link]]\nname = "body"\nmass = 10.0\n'
+# Half the weight, ahead.
+PULL = '[[robot.force]]\nname = "rope"\nlink = "body"\nposition = [0, 0, 0]\n'
+PULL += "force = [49.03325, 0, 0]\n"
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with recipes and maps, which no test changes."""
+    folder = tmp_path_factory.mktemp("eval")
+    for name, text in {
+        "tripod": tripod(channels=ALL_CHANNELS, max_tilt=60.0),
+        "rocker": rocker(channels=ALL_CHANNELS, nodes=33, max_tilt=60.0),
+        "alone": rocker(channels=("status",), nodes=33, max_tilt=60.0),
+    }.items():
+        (folder / f"{name}.toml").write_text(text)
+        lutgen.sweep(lutgen.parse_recipe(text), folder / f"{name}.h5")
+    (folder / "cart.toml").write_text(rigid(CART, name="cart"))
+    (folder / "pulled.toml").write_text(rigid(CART + PULL, name="pulled"))
+    text = rigid(CART + PULL, name="roped", head="com_uncertainty = 0.05")
+    (folder / "roped.toml").write_text(text)
+    return folder
+
+
+def paper_rows() -> Iterator[dict[str, str]]:
+    """Yield the published values of the paper's robot."""
+    lines = (VECTORS / "paper_sdg.csv").read_text(encoding="utf-8").splitlines()
+    yield from csv.DictReader(line for line in lines if not line.startswith("#"))
+
+
+def test_eval_of_the_papers_robot_equals_its_table_in_both_conventions(tmp_path: Path) -> None:
+    wide = tmp_path / "wide.toml"
+    # Some rows are beyond the limits of the recipe.
+    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
+    wide.write_text(text.replace("max = 50.0", "max = 90.0"))
+    recipe = lutgen.load_recipe(wide)
+    rows = list(paper_rows())
+    assert {row["convention"] for row in rows} == {"P", "F"}
+    for row in rows:
+        alpha, gamma = (
+            A0 if row[key] == "A0" else float(row[key]) for key in ("alpha_deg", "gamma_deg")
+        )
+        gravity = "0,0,-1"
+        if row["convention"] == "P":
+            (p1, p2, p3), *_ = lutgen.postures(recipe, np.radians([[alpha, gamma]]))[0]
+            up = np.cross(p2 - p1, p3 - p1)
+            gravity = ",".join(repr(float(-x)) for x in up)
+        point = ("-p", f"alpha={alpha!r}", "-p", f"gamma={gamma!r}", "-g", gravity)
+        report = data("eval", wide, *point)
+        # Half of the last printed digit, which for most rows is far below 1e-6.
+        assert report["sdg"] == pytest.approx(
+            float(row["sdg"]), abs=0.51 * float(row["unit_of_last_digit"])
+        ), row
+
+
+def test_a_recipe_gives_every_channel_the_axis_and_the_forces_in_columns(place: Path) -> None:
+    result = good("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
+    head, *lines = result.stdout.splitlines()
+    assert (head, result.stderr) == ("tripod (exact): stands", "")
+    forces = lines.index("normal forces, shares of their sum (exact):")
+    names = [line.split("  ")[0] for line in lines[:forces]]
+    assert names == ["status", *ALL_CHANNELS[:-1], "slope", "slides first", "least stable"]
+    # Every value begins in one column, and so do the forces.
+    for rows in (lines[:forces], lines[forces + 1 :]):
+        starts = {len(line) - len(line.lstrip().partition("  ")[2].lstrip()) for line in rows}
+        assert len(starts) == 1
+    tips = run("eval", place / "tripod.toml", *POINT, "-g", "-1,0,-0.1")
+    assert (tips.exit_code, "tips over" in tips.stdout) == (3, True)
+    assert "normal forces" not in tips.stdout
+    assert "nan" not in tips.stdout
+
+
+def keys(value: object) -> Iterator[str]:
+    """Yield every key of a JSON value."""
+    if isinstance(value, dict):
+        for key, inside in value.items():
+            yield key
+            yield from keys(inside)
+    elif isinstance(value, list):
+        for inside in value:
+            yield from keys(inside)
+
+
+def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place: Path) -> None:
+    recipe = lutgen.load_recipe(place / "tripod.toml")
+    report = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
+    want = lutgen.evaluate(recipe, [[0.3, math.radians(10.0)]], [[0.1, 0.05, -1]], ALL_CHANNELS)
+    for name in ("sdg", "height", "margin", "energy_margin", "facet"):
+        assert report[name] == pytest.approx(want[name][0, 0], rel=1e-9)
+    assert report["tip_angle_deg"] == pytest.approx(math.degrees(want["tip_angle"][0, 0]), rel=1e-9)
+    assert sum(report["normal_forces"].values()) == pytest.approx(1.0, abs=1e-12)
+    assert (report["standing"], report["status"]) == (True, "stands")
+    least = report["least_stable_axis"]
+    assert report["axes"][least["index"]] == least
+    angles = {key for key in keys(report) if any(x in key for x in ("angle", "slope", "tilt"))}
+    assert angles >= {"tip_angle_deg", "slope_deg"}
+    assert all(key.endswith(("_deg", "_rad")) for key in angles)
+    # A direction may begin with a minus sign, and has any length.
+    long = data("eval", place / "tripod.toml", *POINT, "--gravity=-1,0,-10")
+    short = data("eval", place / "tripod.toml", *POINT, "-g", "-0.1,0,-1")
+    assert short["tip_angle_deg"] == pytest.approx(long["tip_angle_deg"], rel=1e-12)
+
+
+def test_a_map_agrees_with_read_and_with_the_recipe(place: Path) -> None:
+    exact = data("eval", place / "tripod.toml", *POINT)
+    report = data("eval", place / "tripod.h5", *POINT)
+    read = lutgen.load_map(place / "tripod.h5").read([[0.3, math.radians(10.0)]], [[0, 0, -1]])
+    assert (report["source"], report["on_chart"]) == ("interpolated", True)
+    assert report["sdg"] == pytest.approx(read["sdg"][0], rel=1e-12)
+    assert report["tip_angle_deg"] == pytest.approx(math.degrees(read["tip_angle"][0]), rel=1e-12)
+    # Cells of 0.2 m and 45 deg: the same verdict and the same size of angle.
+    assert report["standing"] is exact["standing"]
+    assert report["tip_angle_deg"] == pytest.approx(exact["tip_angle_deg"], abs=10.0)
+
+
+def test_off_the_chart_a_map_knows_nothing(place: Path) -> None:
+    # What nobody can tell is not a 0 that lets a script go on.
+    report = data("eval", place / "tripod.h5", *POINT, "-g", "0,0,1", code=3)
+    assert (report["on_chart"], report["standing"]) == (False, None)
+    assert report["sdg"] is report["tip_angle_deg"] is None
+    assert data("eval", place / "alone.h5", "-g", "0,0,1", code=3)["status"] is None
+    assert "unknown: off the chart" in run("eval", place / "tripod.h5", "-g", "0,0,1").stdout
+
+
+@pytest.mark.parametrize("name", ["rocker.toml", "rocker.h5", "alone.h5"])
+@pytest.mark.parametrize("status", SEEN)
+def test_rocking_is_neither_standing_nor_tipping_over(place: Path, name: str, status: str) -> None:
+    code = 3 if status == "tips" else 0
+    report = data("eval", place / name, "-g", SEEN[status], code=code)
+    assert (report["status"], report["standing"]) == (status, status != "tips")
+    first, *rest = run("eval", place / name, "-g", SEEN[status]).stdout.splitlines()
+    assert first.endswith(f": {'tips over' if status == 'tips' else status}")
+    assert any("the worst of the nodes around" in line for line in rest) is name.endswith(".h5")
+
+
+def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(place: Path) -> None:
+    report = data("metrics", place / "rocker.toml", "--tilt", 10, "--headings", 4)
+    assert report["level"]["status"] == "rocks"
+    found = [entry["status"] for entry in report["headings"]]
+    assert found == ["stands", "rocks", "stands", "rocks"]
+    text = stdout("metrics", place / "rocker.toml", "--tilt", 10, "--headings", 4)
+    assert [line.split()[1] for line in text.splitlines()[2:]] == ["rocks", *found]
+
+
+# loads
+
+
+def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show(
+    place: Path,
+) -> None:
+    braking = data("eval", place / "cart.toml", "-a", "-4.903325,0,0")
+    assert braking == data("eval", place / "cart.toml", "-g", "0.5,0,-1")
+    assert braking["tip_angle_deg"] == pytest.approx(
+        math.degrees(math.atan2(0.3, 0.4) - math.atan2(1, 2))
+    )
+    # A pull of half the weight reads alike; of the com's ball 1 / |F| counts, as it moves the
+    # weight alone.
+    pulled, roped = (data("eval", place / f"{name}.toml") for name in ("pulled", "roped"))
+    for key in ("sdg", "margin"):
+        assert pulled[key] == pytest.approx(braking[key])
+    loss = 0.05 / math.hypot(1.0, 0.5)
+    assert roped["margin"] == pytest.approx(braking["margin"] - loss)
+    assert roped["com_uncertainty"] == 0.05
+    assert roped["resultant_over_weight"] == pytest.approx([0.5, 0.0, -1.0])
+    assert roped["energy_margin"] is None
+    text = stdout("eval", place / "roped.toml")
+    assert "for any com    within 0.05 m" in text
+    assert "resultant      1.11803 of the weight" in text
+    assert "resultant" not in stdout("eval", place / "cart.toml")
+
+
+def test_an_export_refuses_forces_and_a_picture_shows_them(place: Path, tmp_path: Path) -> None:
+    result = run("export", place / "roped.toml", "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "knows the weight and no other force (got rope)" in result.stderr
+    assert not (tmp_path / "out").exists()
+    good("plot", place / "roped.toml", "-o", tmp_path / "robot.svg", "--kind", "robot")
+    assert "force" in (tmp_path / "robot.svg").read_text()

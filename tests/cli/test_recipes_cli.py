@@ -1,0 +1,136 @@
+"""`lutgen recipes`, `new`, `schema` and `check`."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+import lutgen
+from lutgen.errors import RecipeError
+from lutgen.recipe import gallery_names, gallery_text, start_recipes
+from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import ALL_CHANNELS, tripod
+
+KINDS = list(start_recipes())
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Make an empty folder the working one."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# new
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_recipe_to_start_from_stands_as_it_is_and_explains_its_tables(kind: str) -> None:
+    assert data("new", kind, "-o", "robot.toml") == {"kind": kind, "recipe": "robot.toml"}
+    report = data("check", "robot.toml")
+    assert len(report["contacts"]) >= 4
+    assert len(report["parameters"]) >= 1
+    # A map of it takes no more than some megabytes and a few seconds.
+    assert report["file_bytes"] < 2**24
+    # It does not fall over when somebody pushes it.
+    assert all(row["tilt_deg"] > 10.0 for row in data("limits", "robot.toml")["limits"])
+    text = Path("robot.toml").read_text(encoding="utf-8")
+    assert text.startswith(f"# {start_recipes()[kind]}\n")
+    for table in ("parameter", "link", "contact"):
+        before = text.partition(f"[[robot.{table}]]")[0]
+        assert before.rstrip().splitlines()[-1].startswith("#"), table
+    assert max(map(len, text.splitlines())) <= 100
+    # A file that was edited stays, unless it is forced.
+    Path("robot.toml").write_text("mine")
+    assert run("new", kind, "-o", "robot.toml").exit_code == 2
+    assert Path("robot.toml").read_text(encoding="utf-8") == "mine"
+    good("new", "wheels", "-o", "robot.toml", "--force")
+    assert lutgen.load_recipe("robot.toml").name == "rover"
+
+
+def test_the_list_has_every_kind_with_a_sentence() -> None:
+    lines = stdout("new", "--list").splitlines()
+    assert [line.split()[0] for line in lines] == ["wheels", "tracks", "legs", "arm"]
+    assert all(line.endswith(".") for line in lines)
+    assert list(data("new", "--list")["kinds"]) == KINDS
+
+
+# schema
+
+
+def test_the_schema_that_is_printed_is_one_and_tells_recipes_from_others() -> None:
+    schema = json.loads(stdout("schema"))
+    assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    Draft202012Validator.check_schema(schema)
+    good("new", "legs", "-o", "robot.toml")
+    values = tomllib.loads(Path("robot.toml").read_text(encoding="utf-8"))
+    assert Draft202012Validator(schema).is_valid(values)
+    values["robot"]["contact"][0]["radios"] = 0.1
+    assert not Draft202012Validator(schema).is_valid(values)
+
+
+# recipes
+
+
+def test_every_recipe_of_the_gallery_is_listed_with_what_it_is() -> None:
+    entries = {entry["name"]: entry for entry in data("recipes")["recipes"]}
+    assert list(entries) == sorted(path.stem for path in MAPS.glob("*.toml"))
+    for name, entry in entries.items():
+        recipe = lutgen.load_recipe(MAPS / f"{name}.toml")
+        assert entry["source"] == f"recipe:{name}"
+        assert entry["digest"] == recipe.digest
+        assert entry["contacts"] == list(recipe.contact_names)
+        assert entry["nodes"] == data("check", f"recipe:{name}")["nodes"]
+        # One sentence, whole: it begins like the file and ends with its first full stop.
+        assert entry["description"].endswith(".")
+        assert recipe.text.startswith(f"# {entry['description'][:40]}")
+    text = stdout("recipes")
+    assert all(f"recipe:{name} " in text for name in entries)
+
+
+@pytest.mark.parametrize("name", ["absolem", "recipe:absolem"])
+def test_one_recipe_is_printed_as_it_is_written(name: str) -> None:
+    text = (MAPS / "absolem.toml").read_text(encoding="utf-8")
+    assert stdout("recipes", name) == text
+    assert data("recipes", name)["text"] == text
+
+
+def test_the_gallery_needs_no_other_file() -> None:
+    # In a wheel nothing stands beside them but each other.
+    for name in gallery_names():
+        recipe = lutgen.parse_recipe(gallery_text(name), inert=True)
+        assert (recipe.python, recipe.urdf) == (None, None)
+    with pytest.raises(RecipeError, match="choose from: absolem, articulated"):
+        gallery_text("recipe:../tests/zzz")
+
+
+# check
+
+
+def test_check_prints_robot_parameters_nodes_size_and_time() -> None:
+    Path("tripod.toml").write_text(tripod(channels=ALL_CHANNELS, max_tilt=60.0))
+    result = good("check", "tripod.toml")
+    for part in (
+        "tripod: 3 contacts (front left right), 2 parameters, unit m",
+        "reach: 0 to 0.6 m, 4 nodes",
+        "swing: -40 to 50 deg, 3 nodes",
+        "cone, 1 face(s) of 7 x 7 nodes",
+        "588 nodes, 4,116 values, 14.4 KiB",
+    ):
+        assert part in result.stdout
+    assert result.stderr == ""
+    report = data("check", "tripod.toml")
+    assert report["nodes"] == 4 * 3 * 7 * 7
+    assert report["channels"] == list(ALL_CHANNELS)
+    assert report["parameters"] == {
+        "reach": {"from": 0.0, "to": 0.6, "unit": "m", "nodes": 4},
+        "swing": {"from": -40.0, "to": 50.0, "unit": "deg", "nodes": 3},
+    }
+    assert report["digest"] == lutgen.load_recipe("tripod.toml").digest
+    # Six channels of float32 and one of bytes; the rest of the file is some 50 kB of names.
+    assert report["file_bytes"] == (6 * 4 + 1) * 588
+    good("sweep", "tripod.toml", "-o", "tripod.h5")
+    assert 0 < Path("tripod.h5").stat().st_size - report["file_bytes"] < 60_000

@@ -1,0 +1,167 @@
+"""`lutgen sweep` and `lutgen info`, and that no command replaces what lutgen did not make."""
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.files import is_ours
+from lutgen.mapping.compute import Computer
+from tests.fixtures.commands import data, good, run
+from tests.fixtures.places import VECTORS
+from tests.fixtures.recipes import ALL_CHANNELS, tripod
+
+MINE = b"my thesis"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with a recipe, made the working folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
+    return tmp_path
+
+
+# sweep and info
+
+
+def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    result = good("sweep", "r.toml", "-o", "a.h5", "--threads", 1)
+    assert (result.stdout, "a.h5" in result.stderr) == ("", True)
+    assert good("-q", "sweep", "r.toml", "-o", "a.h5").output == ""
+
+    def interrupt(self: Computer, block: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Computer, "compute", interrupt)
+        result = run("sweep", "r.toml", "-o", "b.h5")
+    assert (result.exit_code, "--resume" in result.stderr) == (1, True)
+    assert sorted(path.name for path in Path().iterdir()) == ["a.h5", "b.h5.part", "r.toml"]
+    good("sweep", "r.toml", "-o", "b.h5", "--resume")
+    assert Path("a.h5").read_bytes() == Path("b.h5").read_bytes()
+
+
+def test_info_tells_axes_ranges_and_provenance_of_the_stored_values() -> None:
+    Path("tripod.toml").write_text(tripod(channels=ALL_CHANNELS, max_tilt=60.0))
+    good("sweep", "tripod.toml", "-o", "tripod.h5")
+    result = good("info", "tripod.h5", "--verify")
+    for part in (
+        f"stability map of tripod (format 2, lutgen {lutgen.__version__})",
+        "reach: 0 to 0.6 m, 4 nodes",
+        "swing: -40 to 50 deg, 3 nodes",
+        "status: stands to tips",
+        "% of directions",
+        lutgen.load_recipe("tripod.toml").digest,
+        "checksums: all good",
+    ):
+        assert part in result.stdout
+    assert result.stderr == ""
+    assert "checksums" not in good("info", "tripod.h5").stdout
+    report = data("info", "tripod.h5", "--verify")
+    stability_map = lutgen.load_map("tripod.h5")
+    assert (report["verified"], report["robot"], report["definition"]) == (True, "tripod", 3)
+    channels = {entry["name"]: entry for entry in report["channels"]}
+    assert list(channels) == list(ALL_CHANNELS)
+    words = channels.pop("status")
+    assert (words["min"], words["max"], words["unit"]) == ("stands", "tips", "")
+    for name, entry in channels.items():
+        values = stability_map.channel(name)
+        scale = 180.0 / math.pi if name == "tip_angle" else 1.0
+        finite = values[np.isfinite(values)]
+        assert entry["min"] == pytest.approx(float(finite.min()) * scale, rel=1e-12)
+        assert entry["max"] == pytest.approx(float(finite.max()) * scale, rel=1e-12)
+    assert {name: entry["unit"] for name, entry in channels.items()} == {
+        **dict.fromkeys(("sdg", "height", "margin", "energy_margin"), "m"),
+        "tip_angle": "deg",
+        "facet": "1",
+    }
+    assert 0.0 < report["share_that_tips"] < 1.0
+
+
+# what is replaced
+
+
+def refused(name: str, *arguments: object) -> None:
+    """Run a command that must refuse to replace a file, and leave it as it is."""
+    before, names = Path(name).read_bytes(), sorted(path.name for path in Path().iterdir())
+    result = run(*arguments)
+    assert result.exit_code == 2, result.stderr
+    assert name in result.stderr
+    assert Path(name).read_bytes() == before
+    assert sorted(path.name for path in Path().iterdir()) == names
+
+
+def test_a_sweep_replaces_maps_and_nothing_else() -> None:
+    refused("r.toml", "sweep", "r.toml", "-o", "r.toml")
+    Path("thesis.txt").write_bytes(MINE)
+    refused("thesis.txt", "sweep", "r.toml", "-o", "thesis.txt")
+    for _ in range(2):
+        good("sweep", "r.toml", "-o", "a.h5")
+    good("sweep", "r.toml", "-o", "thesis.txt", "--force")
+    assert is_ours("thesis.txt")
+    Path("link.h5").symlink_to("r.toml")
+    refused("link.h5", "sweep", "r.toml", "-o", "link.h5", "--force")
+
+
+def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed() -> None:
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        lutgen.sweep(lutgen.load_recipe("r.toml"), "a.h5", progress=stop)
+    refused("a.h5.part", "sweep", "r.toml", "-o", "a.h5")
+    shutil.copy("a.h5.part", "b.h5.part")
+    good("sweep", "r.toml", "-o", "a.h5", "--resume")
+    good("sweep", "r.toml", "-o", "b.h5", "--force")
+    assert Path("a.h5").read_bytes() == Path("b.h5").read_bytes()
+    # Of somebody else, and a link.
+    Path("c.h5.part").write_bytes(MINE)
+    Path("d.h5.part").symlink_to("r.toml")
+    for name, more in (("c", ()), ("c", ("--resume",)), ("d", ("--resume",)), ("d", ("--force",))):
+        refused(f"{name}.h5.part", "sweep", "r.toml", "-o", f"{name}.h5", *more)
+    good("sweep", "r.toml", "-o", "c.h5", "--force")
+    assert not Path("c.h5.part").exists()
+
+
+def test_figures_and_films_of_lutgen_alone_are_replaced() -> None:
+    drive = ("path", "r.toml", "--points", "3", "--no-control")
+    figure = ("plot", "r.toml", "--kind", "robot")
+    for command, target, option in ((figure, "a.png", "-o"), (drive, "a.gif", "--animate")):
+        Path(target).write_bytes(MINE)
+        refused(target, *command, option, target)
+        run(*command, option, target, "--force")
+        assert is_ours(target)
+        run(*command, option, target)
+        assert is_ours(target)
+    # A table of a path has no place for a mark.
+    run(*drive, "-o", "a.csv")
+    run(*drive, "-o", "a.csv")
+    refused("a.csv", *drive, "-p", "swing=1", "-o", "a.csv")
+
+
+def test_an_import_leaves_alone_what_was_edited_by_hand() -> None:
+    shutil.copy(VECTORS / "rover.urdf", "robot.urdf")
+    command = ("import", "robot.urdf", "-o", "rover.toml")
+    for _ in range(2):
+        good(*command)
+    made = Path("rover.toml").read_text(encoding="utf-8")
+    Path("rover.toml").write_text(f"{made}# mine\n", encoding="utf-8")
+    refused("rover.toml", *command)
+    assert "--merge" in run(*command).stderr
+    good(*command, "--merge")
+    assert Path("rover.toml").read_text(encoding="utf-8").endswith("# mine\n")
+    good(*command, "--force")
+    assert Path("rover.toml").read_text(encoding="utf-8") == made
+
+
+def test_a_report_refuses_a_page_of_somebody_else_before_it_computes() -> None:
+    Path("out").mkdir()
+    Path("out/paper.html").write_bytes(MINE)
+    assert run("paper", "-o", "out").exit_code == 2
+    assert [path.name for path in Path("out").iterdir()] == ["paper.html"]
