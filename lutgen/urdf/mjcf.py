@@ -67,12 +67,17 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
             f"{source}: needs the package mujoco to be read (got no such package); install it with "
             "`pip install lutgen[mjcf]`, or write a URDF."
         ) from None
+    before = mujoco.get_mju_user_warning()
+    # Else warnings go to a file MUJOCO_LOG.TXT where the command runs.
+    mujoco.set_mju_user_warning(lambda text: None)
     try:
         model = mujoco.MjModel.from_xml_path(source)
     except (ValueError, mujoco.FatalError) as error:
         raise RecipeError(
             f"{source}: MuJoCo cannot read it (got {quoted(error)}); correct the file."
         ) from None
+    finally:
+        mujoco.set_mju_user_warning(before)
     return _Reader(model, source).read()
 
 

@@ -126,6 +126,13 @@ def test_sizes_are_whole_lengths_and_looks_touch_nothing(file: Path) -> None:
     assert apart.min(axis=0).max() < 1e-6
 
 
+def test_mujocos_warnings_leave_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("old.xml").write_text(TEXT.replace("<compiler ", '<compiler settotalmass="3" '))
+    assert math.fsum(link.mass for link in load_mjcf("old.xml").robot.links) < 3.0
+    assert [path.name for path in tmp_path.iterdir()] == ["old.xml"]
+
+
 def test_files_without_a_robot_are_refused_in_a_sentence(tmp_path: Path) -> None:
     for text, said in (
         ("<mujoco><worldbody/></mujoco>", "no body has a mass"),
