@@ -125,7 +125,7 @@ def closed_form(recipe: Recipe) -> Closed:
     turn: dict[str, Sum] = {}
     origin: dict[str, Sum] = {}
     total = sum(link.mass for link in recipe.links)
-    com = Sum.constant(np.zeros(3))
+    com = Sum.constant(np.array(recipe.com_offset))
     for name in order:
         link, joint = links[name], links[name].joint
         here = Sum.constant(rotation(link.rpy))

@@ -24,6 +24,7 @@ from lutgen.cli.plot import plot
 from lutgen.cli.recipes import check, new, recipes, schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import info, sweep
+from lutgen.cli.weigh import weigh
 from lutgen.cli.wheels import wheels
 from lutgen.errors import (
     ExportError,
@@ -144,7 +145,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, explore, policy, wheels, paper, path),
+    *(stance, weigh, optimum, plot, export, explore, policy, wheels, paper, path),
     *(budget, control),
 ):
     main.add_command(command)

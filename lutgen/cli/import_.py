@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lutgen.parts import Contact
     from lutgen.propose import Imported, Standing
     from lutgen.urdf.description import UrdfRobot
+    from lutgen.vector import Floats
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
@@ -88,7 +89,7 @@ class Options:
 
 @command("urdf", Options)
 def import_(urdf: str, options: Options) -> None:
-    """Write a recipe from a robot description (URDF).
+    """Write a recipe from a robot description (URDF, MJCF).
 
     What it leaves out is said.  It stands as an SRDF file says (group_state), or with its joints
     at zero; -p and --posture say otherwise.  Without --contact, the spheres and cylinders near the
@@ -113,7 +114,7 @@ def import_(urdf: str, options: Options) -> None:
     if not options.output.endswith(".toml"):
         got = options.output
         raise InputError(f"--output: is no recipe's name (got {got!r}); end it in .toml.")
-    robot = read_robot(urdf, options)
+    robot, hulls = read_robot(urdf, options)
     links = {link.name for link in robot.links}
     # A link's own name may have an equals sign in it.
     named = [text for text in options.contacts if text in links or "=" not in text]
@@ -127,7 +128,7 @@ def import_(urdf: str, options: Options) -> None:
         points,
         options.joints or None,
         rest.values,
-        Meshes(Sources(Path(urdf).parent, packages(options))),
+        Meshes(Sources(Path(urdf).parent, packages(options)), hulls),
         Coupling(options.couples, srdf.groups if srdf is not None else {}),
     )
     report = import_report(robot, rest, made)
@@ -204,9 +205,13 @@ def scaled(joint: str, scale: float) -> str:
     return {1.0: joint, -1.0: f"-{joint}"}.get(scale, f"{scale:g}*{joint}")
 
 
-def read_robot(path: str, options: Options) -> "UrdfRobot":
-    """Read a description, after expansion where it is asked for, under the name that is given."""
+def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Floats]]":
+    """Read a description, after expansion where it is asked for, under the name that is given.
+
+    Of MuJoCo's format there are the corners of its meshes, too.
+    """
     from lutgen.urdf.joints import soft_limited
+    from lutgen.urdf.mjcf import is_mjcf, load_mjcf
     from lutgen.urdf.read import load_urdf
     from lutgen.urdf.sources import load_xacro
 
@@ -218,12 +223,18 @@ def read_robot(path: str, options: Options) -> "UrdfRobot":
     arguments = dict(pairs("--arg", "NAME=VALUE", options.arguments))
     if arguments and not options.xacro:
         raise InputError(f"--arg: is for xacro (got {path}); leave it out, or pass --xacro.")
-    robot = load_xacro(path, packages(options), arguments) if options.xacro else load_urdf(path)
+    hulls: dict[str, Floats] = {}
+    if options.xacro:
+        robot = load_xacro(path, packages(options), arguments)
+    elif is_mjcf(path):
+        robot, hulls = load_mjcf(path)
+    else:
+        robot = load_urdf(path)
     if options.name is not None:
         if not options.name.strip():
             raise InputError("--name: must not be empty (got ''); leave it out.")
         robot = replace(robot, name=options.name)
-    return soft_limited(robot) if options.soft_limits else robot
+    return soft_limited(robot) if options.soft_limits else robot, hulls
 
 
 def packages(options: Options) -> dict[str, Path]:

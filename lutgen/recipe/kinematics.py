@@ -77,6 +77,8 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     shape = (len(values), contacts + len(recipe.forces), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
     _forward(values, _tree(recipe), points, axes, com)
+    com += recipe.com_offset
+    points -= recipe.com_offset
     return Postures(
         np.ascontiguousarray(points[:, :contacts]),
         np.ascontiguousarray(axes[:, :contacts]),
@@ -155,8 +157,9 @@ def _forward_python(recipe: Recipe, values: Floats) -> Postures:
             f"{recipe.source}: `{recipe.python}` must return finite numbers (got NaN or "
             "infinity); correct the function."
         )
+    com = com + recipe.com_offset
     centres = contacts - com[:, None, :]
-    return Postures(centres, np.zeros(shape), com.copy(), np.empty((len(values), 0, 3)))
+    return Postures(centres, np.zeros(shape), com, np.empty((len(values), 0, 3)))
 
 
 @lru_cache(maxsize=16)

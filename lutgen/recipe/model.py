@@ -8,7 +8,8 @@ from typing import Any
 
 from lutgen.chart import Chart
 from lutgen.grid import Grid
-from lutgen.parts import Contact, Force, Link, Parameter, Wheel
+from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
+from lutgen.vector import Vector
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class Recipe:
     `python` is ``"module:function"`` for a robot given by code; `function` is then
     that function.  `text` is the TOML itself and `source` its file name for messages.
     `urdf` is the content of the robot description that the recipe names.
-    Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
+    Payloads are links; `com_offset` is added to the com that links give, and `com_uncertainty` is
+    the radius of the ball in which the com lies.
     `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
     `home` has the parameters of the posture that it stands in, as far as the recipe says.
     `snapped` says which contacts are not quite where the text has them, see `snap`.
@@ -53,6 +55,7 @@ class Recipe:
     urdf: str | None = None
     forces: tuple[Force, ...] = ()
     com_uncertainty: float = 0.0
+    com_offset: Vector = ZERO
     rest_width: float | None = None
     contact_tolerance: float | None = None
     home: dict[str, float] = field(default_factory=dict)

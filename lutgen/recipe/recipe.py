@@ -18,6 +18,8 @@ from lutgen.recipe.robot import (
     links_of,
     parameters_of,
     payloads_of,
+    three,
+    weighed,
     wheels_of,
 )
 from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
@@ -118,7 +120,7 @@ def parse_recipe(
         upright=math.radians(robot.upright),
         rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
-        links=(*links, *payloads_of(robot)),
+        links=weighed((*links, *payloads_of(robot)), robot.mass),
         contacts=contacts,
         python=robot.python,
         grid=Grid(tuple(axes)),
@@ -132,6 +134,7 @@ def parse_recipe(
         urdf=urdf if robot.urdf is not None else None,
         forces=forces_of(robot),
         com_uncertainty=robot.com_uncertainty,
+        com_offset=three(robot.com_offset),
         rest_width=robot.rest_width,
         contact_tolerance=robot.contact_tolerance,
         home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},

@@ -111,6 +111,14 @@ def payloads_of(robot: Robot) -> tuple[Link, ...]:
     )
 
 
+def weighed(links: tuple[Link, ...], mass: float | None) -> tuple[Link, ...]:
+    """Return links whose masses add up to `mass` (kg), each by the same factor; None is as is."""
+    total = math.fsum(link.mass for link in links)
+    if mass is None or total == 0.0:
+        return links
+    return tuple(replace(link, mass=link.mass * (mass / total)) for link in links)
+
+
 def forces_of(robot: Robot) -> tuple[Force, ...]:
     """Return what pulls at a robot."""
     return tuple(

@@ -112,6 +112,9 @@ def part_faults(
         way_out = "add contacts" if len(contacts) < 3 else way_out
         yield Fault("robot.contact", what, len(contacts), way_out)
     yield from _wheel_faults(robot, {contact.name: contact for contact in contacts})
+    if robot.mass is not None and not massive:
+        what = "counts for nothing on a robot without masses"
+        yield Fault("robot.mass", what, robot.mass, "give its links masses in kg")
     loads: dict[str, Sequence[Force | Payload]] = {"force": robot.force, "payload": robot.payload}
     for kind, parts in loads.items():
         # A payload is a link.

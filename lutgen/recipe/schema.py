@@ -228,6 +228,14 @@ class Robot(Table):
     contact_tolerance: Length | None = may(
         "Contacts this far from a facet's plane carry; by default 1e-4 of the size.", 0.0001
     )
+    mass: Annotated[Positive, _in("kg")] | None = may(
+        "The whole mass as weighed, with payloads; the links' masses are scaled to it.", 31.5
+    )
+    com_offset: Place = may(
+        "Where the com is from the computed one, along the body's axes, as weighed.",
+        [0.01, 0, 0.02],
+        ZEROS,
+    )
     com_uncertainty: Length = may(
         "The com lies within this of the computed one; no `energy_margin` then.", 0.02, 0.0
     )

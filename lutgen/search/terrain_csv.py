@@ -42,13 +42,14 @@ def read_rows(
     file: str | os.PathLike[str],
     check_names: Callable[[str, list[str]], None],
     what: str = "a path needs at least 2 points",
+    least: int = 2,
 ) -> tuple[dict[str, Floats], list[int]]:
     """Return the columns of a CSV file by name, each (p,), and the line of each row.
 
     It is UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
     others; as large as a terrain may be.  Anything else is refused with line and column.
     `check_names` refuses a header, given the file's name and the columns; `what` is the sentence
-    for a file of fewer than 2 rows.
+    for a file of fewer than `least` rows.
     """
     source, way_out = os.fspath(file), "cut the path into parts"
     try:
@@ -80,7 +81,7 @@ def read_rows(
         raise InputError(
             f"{source}: line {reader.line_num} is no CSV (got {error}); save it again"
         ) from error
-    if len(rows) < 2:
+    if len(rows) < least:
         raise InputError(f"{source}: {what} (got {len(rows)}); add lines")
     return dict(zip(names, np.array(rows).T, strict=True)), lines
 

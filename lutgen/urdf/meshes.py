@@ -8,7 +8,7 @@ import io
 import math
 import warnings
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +36,12 @@ DIGITS = 6
 class Meshes:
     """The meshes that a description names; each file is read once."""
 
-    def __init__(self, sources: Sources) -> None:
+    def __init__(self, sources: Sources, known: Mapping[str, Floats] | None = None) -> None:
         self.sources = sources
-        self._hulls: dict[str, Floats | InputError] = {}
+        # Corners that are there without a file, by the name that shapes give.
+        self._hulls: dict[str, Floats | InputError] = {
+            name: _hull(corners) for name, corners in (known or {}).items()
+        }
 
     def corners(self, shape: Collision) -> Floats:
         """Return the corners (n, 3) of a mesh's convex hull in the frame of its link, m, sorted.
@@ -52,10 +55,11 @@ class Meshes:
             raise InputError(f"{shape.file}: has no scale of three numbers but 0")
         if np.abs(scale).max() > LARGEST:
             raise InputError(f"{shape.file}: has a scale beyond {LARGEST:g}")
-        if Path(shape.file).suffix.lower() not in FORMATS:
+        unread = shape.file not in self._hulls
+        if unread and Path(shape.file).suffix.lower() not in FORMATS:
             ending = Path(shape.file).suffix or "no ending"
             raise InputError(f"{shape.file}: {ending} is none of {', '.join(FORMATS)}")
-        if shape.file not in self._hulls:
+        if unread:
             path = self.sources.file(shape.file)
             try:
                 self._hulls[shape.file] = _hull(_corners(path))

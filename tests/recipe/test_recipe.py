@@ -29,6 +29,7 @@ def test_a_good_recipe_becomes_radians_and_unit_vectors():
     )
     assert (recipe.name, recipe.title) == ("everything", "Everything, at once")
     assert (recipe.length_unit, recipe.friction, recipe.com_uncertainty) == ("m", 0.5, 0.01)
+    assert recipe.com_offset == (0.0, 0.0, 0.25)
     assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(20))
     assert (recipe.rest_width, recipe.contact_tolerance) == (0.01, 0.001)
     low, high = math.radians(-10), math.radians(50)
@@ -65,7 +66,7 @@ def test_a_good_recipe_becomes_radians_and_unit_vectors():
 
 
 def test_what_is_left_out_gets_its_documented_default():
-    drop = r"^(title|friction|upright|rock_angle|rest_width|contact_tolerance|com_uncertainty|home"
+    drop = r"^(title|friction|upright|rock_angle|rest_width|contact_tolerance|com_\w+|home"
     drop += (
         r"|mass|com|shape|origin|rpy|rolling|width|belt|meaning) = .*\n|\[\[robot.(force|payload)"
     )
@@ -73,6 +74,7 @@ def test_what_is_left_out_gets_its_documented_default():
     recipe = parse_recipe(re.sub(drop, "", text.partition("[export]")[0], flags=re.MULTILINE))
     assert (recipe.title, recipe.friction, recipe.rest_width) == (None, None, None)
     assert (recipe.contact_tolerance, recipe.com_uncertainty, recipe.home) == (None, 0.0, {})
+    assert recipe.com_offset == ZERO
     assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(30))
     assert (recipe.links[0], recipe.links[1].com, recipe.links[1].rpy) == (Link("body"), ZERO, ZERO)
     assert (recipe.wheels, recipe.forces, len(recipe.links)) == ((), (), 2)

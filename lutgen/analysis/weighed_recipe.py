@@ -1,0 +1,70 @@
+"""Write a weighed mass and centre of mass into the text of a recipe."""
+
+import re
+
+from lutgen.analysis.weighing import Weighed
+from lutgen.errors import RecipeError
+from lutgen.recipe import Recipe, parse_recipe
+
+KEYS = ("mass", "com_offset", "com_uncertainty")
+# Digits that are written: a part in 1e9 is finer than any scale.
+DIGITS = 9
+# The com is within so many standard deviations in 19 of 20 cases and more.
+DEVIATIONS = 2.0
+_HEAD = re.compile(r"^\s*\[\s*robot\s*\]\s*(#.*)?$")
+_TABLE = re.compile(r"^\s*\[")
+
+
+def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]:
+    """Return the keys of `[robot]` that make the recipe the robot that was weighed.
+
+    `mass` is left out where the recipe has no masses, or the readings do not tell it, and
+    `com_uncertainty` where they leave a part of the com open.
+    """
+    shift = [float(f"{x:.{DIGITS}g}") for x in found.com_shift + recipe.com_offset]
+    keys: dict[str, float | list[float]] = {}
+    if found.mass_std < float("inf") and any(link.mass for link in recipe.links):
+        keys["mass"] = float(f"{found.mass:.{DIGITS}g}")
+    keys["com_offset"] = shift
+    if found.spread < float("inf"):
+        keys["com_uncertainty"] = float(f"{DEVIATIONS * found.spread:.3g}")
+    return keys
+
+
+def lines_of(keys: dict[str, float | list[float]]) -> list[str]:
+    """Return the keys as lines of TOML."""
+    return [f"{key} = {value!r}" for key, value in keys.items()]
+
+
+def corrected(recipe: Recipe, found: Weighed) -> str:
+    """Return the recipe's text with the correction below its `[robot]`; all else stays.
+
+    Raises
+    ------
+    RecipeError
+        Where the text has no line `[robot]`, or the keys stand there in a way that is not
+        understood; the message has the lines to write by hand.
+    """
+    keys = correction(recipe, found)
+    lines, result, inside, written = recipe.text.splitlines(), [], False, False
+    for line in lines:
+        if _HEAD.match(line) and not written:
+            inside = written = True
+            result += [line, *lines_of(keys)]
+            continue
+        inside = inside and not _TABLE.match(line)
+        if inside and re.match(rf"\s*({'|'.join(keys)})\s*=", line):
+            continue
+        result.append(line)
+    text = "\n".join([*result, ""])
+    try:
+        made = parse_recipe(text, recipe.source, inert=True, urdf=recipe.urdf)
+        good = list(made.com_offset) == keys["com_offset"]
+    except RecipeError:
+        good = False
+    if not good:
+        raise RecipeError(
+            f"{recipe.source}: the keys of [robot] are not where they can be replaced (got no good "
+            f"recipe); write {'; '.join(lines_of(keys))} there by hand."
+        )
+    return text

@@ -1,0 +1,284 @@
+"""Find a robot's mass and centre of mass from scales under its contacts, and from tilts.
+
+The unknowns are the mass m and the moment m d, where d (3,) is the shift of the com from the
+computed one, the same in every posture, body frame.  Balance of forces and of moments is linear in
+both: the loads that scales read, and gravity's ray through an edge as the robot begins to tip.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lutgen.analysis.posture import Facet, Posture
+from lutgen.analysis.tilt import level_frames, tilted
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+from lutgen.vector import Floats
+
+# Singular values below this part of the largest say nothing.
+NOTHING = 1e-8
+# The edge over which the robot tips follows from the com: so often it is looked up again.
+ROUNDS = 5
+# Slope (rad) of the weighings that are proposed, and the sine by which the robot must stand there.
+PROPOSED, STANDING = math.radians(10.0), 0.05
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """Loads (kg) on groups of contacts, by name, and the standard deviation of each reading.
+
+    `params` (k,) is the posture, rad or length; the ground slopes by `slope` (rad) in the robot's
+    `heading` (rad, 0: nose down).
+    """
+
+    params: tuple[float, ...]
+    loads: dict[tuple[str, ...], float]
+    accuracy: float
+    slope: float = 0.0
+    heading: float = 0.0
+
+
+@dataclass(frozen=True)
+class Tipping:
+    """The slope (rad) at which the robot was seen to begin to tip, in a heading (rad)."""
+
+    params: tuple[float, ...]
+    slope: float
+    heading: float
+    accuracy: float
+
+
+Reading = Weighing | Tipping
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The weighing that would help most, all contacts on scales, and the com's deviation then."""
+
+    params: tuple[float, ...]
+    slope: float
+    heading: float
+    com_std: float
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """Mass (kg) and shift of the com (3,), body frame, with standard deviations.
+
+    A deviation is infinite where the readings say nothing, and the value then is the recipe's.
+    `residuals` (kg, or rad for tilts) are readings less what the result would give, in the order of
+    the readings.  `spread` is the largest standard deviation of the com in any direction.
+    """
+
+    mass: float
+    mass_std: float
+    com_shift: Floats
+    com_std: Floats
+    spread: float
+    residuals: Floats
+    advice: Advice | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Equations ``row . x = value`` of standard deviation 1, and the factor back to readings."""
+
+    row: Floats
+    value: Floats
+    unit: Floats
+
+
+def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
+    """Fit mass and com to readings by least squares.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot as it is described.
+    readings : sequence of Weighing or Tipping
+        The robot stands on the facet on which it rests on level ground, and tips from it.
+
+    Returns
+    -------
+    Weighed
+        What cannot be determined stays as the recipe has it.  If the readings scatter more than
+        their deviations say, the result's deviations grow with them.
+
+    Raises
+    ------
+    InputError
+        For no readings, unknown contacts, contacts in the air, and loads that no mass explains.
+    """
+    if not readings:
+        raise InputError("there is nothing to weigh with (got no readings); give scales or tilts.")
+    start = _start(recipe, readings)
+    estimate, size = start, _size(recipe, readings)
+    scale = np.array([start[0], *(3 * [start[0] * size])])
+    for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
+        rows = [_equations(recipe, one, estimate) for one in readings]
+        row = np.concatenate([one.row for one in rows])
+        value = np.concatenate([one.value for one in rows])
+        left, singular, right = np.linalg.svd(row * scale, full_matrices=True)
+        rank = int((singular > NOTHING * singular[0]).sum())
+        share = left[:, :rank].T @ (value - row @ start) / singular[:rank]
+        estimate = start + scale * (right[:rank].T @ share)
+    if not estimate[0] > 0.0:
+        raise InputError(f"the readings give no mass above 0 (got {estimate[0]:g} kg); check them.")
+    rest = value - row @ estimate
+    freedom = len(value) - rank
+    grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
+    inverse = (right[:rank].T / singular[:rank] ** 2) @ right[:rank]
+    covariance = grown * scale[:, None] * inverse * scale
+    unknown = scale[:, None] * right[rank:].T
+    mass_std, com_std, spread = _deviations(estimate, covariance, unknown)
+    advice = _advice(recipe, readings, estimate, row * scale, scale)
+    return Weighed(
+        float(estimate[0]),
+        mass_std,
+        estimate[1:] / estimate[0],
+        com_std,
+        spread,
+        rest * np.concatenate([one.unit for one in rows]),
+        advice,
+    )
+
+
+def _start(recipe: Recipe, readings: Sequence[Reading]) -> Floats:
+    """Return the recipe's own mass and no shift; without masses, the mass that the scales read."""
+    mass = math.fsum(link.mass for link in recipe.links)
+    read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
+    return np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
+
+
+def _size(recipe: Recipe, readings: Sequence[Reading]) -> float:
+    """Return the largest distance of a contact from the com (length)."""
+    centres = Posture(recipe, readings[0].params).placed.centres[0]
+    return float(np.linalg.norm(centres, axis=1).max()) or 1.0
+
+
+def _seated(recipe: Recipe, reading: Reading | Advice) -> tuple[Facet, Floats]:
+    """Return the facet on which the robot stands, and gravity in the body frame (3,)."""
+    posture = Posture(recipe, reading.params)
+    frame = level_frames(recipe, posture.row, "plane")[0]
+    facet = posture.stance_of_weight().under(-frame[:, 2])
+    if facet is None:
+        values = ", ".join(f"{value:g}" for value in reading.params)
+        raise InputError(
+            f"{recipe.source}: the robot rests on nothing in a posture of the file (got parameters "
+            f"{values or 'none'}, rad or length); leave it out."
+        )
+    return facet, frame @ tilted(reading.slope, reading.heading)
+
+
+def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
+    """Return the equations of one reading, in units of its deviation."""
+    facet, down = _seated(recipe, reading)
+    if isinstance(reading, Tipping):
+        start, stop = facet.points, np.roll(facet.points, -1, axis=0)
+        shift = estimate[1:] / estimate[0]
+        walls = np.cross(start - shift, stop - shift)
+        edge = int(np.argmin(walls @ down / np.linalg.norm(walls, axis=1)))
+        # Gravity is in the plane of edge and com: ((P - d) x (Q - d)) . g = 0, times the mass.
+        side = stop[edge] - start[edge]
+        row = [np.cross(start[edge], stop[edge]) @ down, *-np.cross(side, down)]
+        factor = estimate[0] * float(np.linalg.norm(walls[edge])) * reading.accuracy
+        return _Rows(np.array([row]) / factor, np.zeros(1), np.array([reading.accuracy]))
+    names = [recipe.contact_names[i] for i in facet.touching]
+    picked = np.array([[name in group for name in names] for group in reading.loads], np.float64)
+    for group in reading.loads:
+        for name in group:
+            if name not in names:
+                raise InputError(
+                    f"{recipe.source}: a contact carries nothing in this posture (got a load on "
+                    f"{name!r}); on the ground are {', '.join(names)}."
+                )
+    loads, free = _balance(facet.touching_points, facet.normal * facet.height, facet.normal, down)
+    # Loads that statics leaves open are taken out of the readings.
+    spare = picked @ free
+    keep = np.eye(len(picked)) - spare @ np.linalg.pinv(spare)
+    value = np.array(list(reading.loads.values()))
+    return _Rows(
+        keep @ picked @ loads / reading.accuracy,
+        keep @ value / reading.accuracy,
+        np.full(len(value), reading.accuracy),
+    )
+
+
+def _balance(points: Floats, foot: Floats, normal: Floats, down: Floats) -> tuple[Floats, Floats]:
+    """Return loads (c, 4) for each unknown, and those (c, c - 3) that balance among themselves.
+
+    Friction acts in the ground's plane, so it has no moment about axes in it: with o the com's
+    foot and e such an axis, sum N ((r - o) x n) . e = (D x g) . e - m (o x g) . e.
+    """
+    first = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.9 else [0.0, 1.0, 0.0])
+    axes = np.array([first, np.cross(normal, first)])
+    sums = np.vstack([np.ones(len(points)), axes @ np.cross(points - foot, normal).T])
+    known = np.zeros((3, 4))
+    known[0, 0] = normal @ down
+    known[1:, 0] = -axes @ np.cross(foot, down)
+    known[1:, 1:] = np.cross(down, axes)
+    _, singular, right = np.linalg.svd(sums)
+    rank = int((singular > NOTHING * singular[0]).sum())
+    return np.linalg.pinv(sums) @ known, right[rank:].T
+
+
+def _deviations(
+    estimate: Floats, covariance: Floats, unknown: Floats
+) -> tuple[float, Floats, float]:
+    """Return the deviations of mass, of the com's components, and of the com where it is largest.
+
+    `unknown` (4, u) are directions of which nothing is known.
+    """
+    shift = estimate[1:] / estimate[0]
+    change = np.hstack([-shift[:, None], np.eye(3)]) / estimate[0]
+    com = change @ covariance @ change.T
+    lost = change @ unknown
+    scale = float(np.abs(change @ np.diag(np.abs(unknown).max(axis=1, initial=0.0))).max())
+    open_ = np.abs(lost).max(axis=1, initial=0.0) > NOTHING * max(scale, 1e-300)
+    com_std = np.where(open_, np.inf, np.sqrt(np.maximum(np.diag(com), 0.0)))
+    mass_open = np.abs(unknown[0]).max(initial=0.0) > NOTHING * estimate[0]
+    mass_std = math.inf if mass_open else math.sqrt(max(covariance[0, 0], 0.0))
+    spread = math.inf if open_.any() else math.sqrt(max(float(np.linalg.eigvalsh(com)[-1]), 0.0))
+    return mass_std, com_std, spread
+
+
+def _advice(
+    recipe: Recipe, readings: Sequence[Reading], estimate: Floats, known: Floats, scale: Floats
+) -> Advice | None:
+    """Return the weighing after which the com is known best, None where none can be proposed."""
+    accuracies = [one.accuracy for one in readings if isinstance(one, Weighing)]
+    accuracy = min(accuracies, default=0.01 * float(estimate[0]))
+    best = None
+    for params, slope, heading in _candidates(recipe):
+        advice = Advice(params, slope, heading, 0.0)
+        facet, down = _seated(recipe, advice)
+        start, stop = facet.points, np.roll(facet.points, -1, axis=0)
+        walls = np.cross(start, stop)
+        if float((walls @ down / np.linalg.norm(walls, axis=1)).min()) < STANDING:
+            continue
+        loads: dict[tuple[str, ...], float] = {
+            (recipe.contact_names[i],): 1.0 for i in facet.touching
+        }
+        more = _equations(recipe, Weighing(params, loads, accuracy, slope, heading), estimate).row
+        _, singular, right = np.linalg.svd(np.vstack([known, more * scale]))
+        rank = int((singular > NOTHING * singular[0]).sum())
+        inverse = (right[:rank].T / singular[:rank] ** 2) @ right[:rank]
+        unknown = scale[:, None] * right[rank:].T
+        _, _, spread = _deviations(estimate, scale[:, None] * inverse * scale, unknown)
+        if best is None or spread < best.com_std:
+            best = Advice(params, slope, heading, spread)
+    return best
+
+
+def _candidates(recipe: Recipe) -> Iterator[tuple[tuple[float, ...], float, float]]:
+    """Yield postures, slopes and headings: home and each end of a parameter, level and tilted."""
+    home = recipe.home_params
+    ends = [(i, end) for i, p in enumerate(recipe.parameters) for end in (p.minimum, p.maximum)]
+    rows = [home, *((*home[:i], end, *home[i + 1 :]) for i, end in ends)]
+    headings = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)
+    slopes = [(0.0, 0.0), *((PROPOSED, heading) for heading in headings)]
+    for row, (slope, heading) in itertools.product(rows, slopes):
+        yield tuple(row), slope, heading

@@ -1,0 +1,240 @@
+"""`lutgen weigh`: mass and centre of mass from scales under the contacts, and from tilts."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from lutgen.cli import options as given
+from lutgen.cli import output
+from lutgen.cli.options import Named, RecipeOptions, command, open_recipe, option
+from lutgen.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lutgen.analysis.weighing import Advice, Reading, Tipping, Weighed, Weighing
+    from lutgen.recipe import Recipe
+
+GROUND = ("slope_deg", "heading_deg")
+# Accuracy of a scale unless it is given: this part of the largest reading.
+SCALE = 0.005
+
+
+@dataclass(frozen=True)
+class Options(RecipeOptions):
+    """Options of `lutgen weigh`."""
+
+    scales: str | None = option(
+        type=Named(),
+        help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
+        "if wanted parameters, slope_deg and heading_deg.",
+    )
+    tilt: str | None = option(
+        type=Named(),
+        help="CSV file: slope_deg and heading_deg at which the robot began to tip, parameters.",
+    )
+    accuracy: float | None = option(
+        type=float, help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
+    )
+    angle_accuracy: float = option(default=1.0, help="Standard deviation of --tilt, deg.")
+    output: str | None = given.output(help="Write the recipe with the correction (.toml).")
+    force: bool = given.force()
+
+
+@command("recipe", Options)
+def weigh(recipe: str, options: Options) -> None:
+    """Find mass and centre of mass from scales and tilts.
+
+    Both are printed with their uncertainty.
+
+    A row of a file is one weighing: the posture (`home` where a column is missing), the slope under
+    the robot and its heading (0: nose down, 90: left side down), and what each scale reads.  The
+    correction is three keys of the recipe, which every command uses.
+
+    \b
+    $ lutgen weigh robot.toml --scales scales.csv -o weighed.toml
+    """
+    from lutgen.analysis.weighed_recipe import corrected, correction
+    from lutgen.analysis.weighing import weigh as fit
+    from lutgen.files import check_target, write_text
+
+    robot = open_recipe(recipe, options.allow_python)
+    readings: list[Reading] = [*scale_readings(robot, options), *tilt_readings(robot, options)]
+    if not readings:
+        raise InputError("--scales, --tilt: neither is given (got no file); give one of them.")
+    found = fit(robot, readings)
+    if options.output is not None:
+        text = corrected(robot, found)
+        check_target(options.output, options.force, text.encode("utf-8"))
+        write_text(options.output, text, options.force)
+    report = weigh_report(robot, readings, found) | {"keys": correction(robot, found)}
+    output.show(report, weigh_lines, options.as_json)
+
+
+def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
+    """Return the weighings of the file of scales."""
+    from lutgen.analysis.weighing import Weighing
+    from lutgen.search import read_rows
+
+    if options.scales is None:
+        return []
+    parameters = [p.name for p in robot.parameters]
+
+    def check(source: str, names: list[str]) -> None:
+        for name in dict.fromkeys(names):
+            parts = [] if name in (*parameters, *GROUND) else name.split("+")
+            for part in parts:
+                if part not in robot.contact_names:
+                    raise InputError(
+                        f"{source}: line 1 names a column that is no contact, no parameter and not "
+                        f"{' or '.join(GROUND)} (got {name!r}); the contacts are "
+                        f"{', '.join(robot.contact_names)}."
+                    )
+        if len(set(names)) < len(names):
+            raise InputError(f"{source}: line 1 names a column twice (got {','.join(names)}).")
+
+    rows, _ = read_rows(options.scales, check, "there is no weighing", 1)
+    scales = [name for name in rows if name not in (*parameters, *GROUND)]
+    if not scales:
+        raise InputError(
+            f"{options.scales}: line 1 names no scale (got {','.join(rows)}); name contacts."
+        )
+    largest = max(float(abs(rows[name]).max()) for name in scales)
+    accuracy = options.accuracy if options.accuracy is not None else SCALE * largest
+    if not accuracy > 0.0:
+        raise InputError(f"--accuracy: must be above 0 kg (got {accuracy:g}).")
+    return [
+        Weighing(
+            params,
+            {tuple(name.split("+")): float(rows[name][i]) for name in scales},
+            accuracy,
+            *ground,
+        )
+        for i, (params, ground) in enumerate(poses(robot, rows))
+    ]
+
+
+def tilt_readings(robot: "Recipe", options: Options) -> "list[Tipping]":
+    """Return the tilts of the file of tilts."""
+    from lutgen.analysis.weighing import Tipping
+    from lutgen.search import check_columns, read_rows
+
+    if options.tilt is None:
+        return []
+    if not options.angle_accuracy > 0.0:
+        raise InputError(f"--angle-accuracy: must be above 0 deg (got {options.angle_accuracy:g}).")
+    known = (*GROUND, *(p.name for p in robot.parameters))
+    rows, _ = read_rows(
+        options.tilt,
+        lambda source, names: check_columns(source, names, GROUND, known),
+        "there is no tilt",
+        1,
+    )
+    accuracy = math.radians(options.angle_accuracy)
+    return [Tipping(params, *ground, accuracy) for params, ground in poses(robot, rows)]
+
+
+def poses(
+    robot: "Recipe", rows: "dict[str, NDArray[np.float64]]"
+) -> "Iterator[tuple[tuple[float, ...], tuple[float, float]]]":
+    """Yield posture (rad, length), slope and heading (rad) of each row."""
+    for i in range(len(next(iter(rows.values())))):
+        posture = [(p.name, float(rows[p.name][i])) for p in robot.parameters if p.name in rows]
+        slope, heading = (math.radians(rows[key][i]) if key in rows else 0.0 for key in GROUND)
+        if not 0.0 <= slope < math.radians(90.0):
+            raise InputError(
+                f"slope_deg: must lie from 0 to 90 (got {math.degrees(slope):g} in row {i + 1})."
+            )
+        yield tuple(given.posture_values(robot, tuple(posture)).tolist()), (slope, heading)
+
+
+def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -> dict[str, Any]:
+    """Return what `--json` prints; null where nothing is known."""
+    from lutgen.analysis.weighing import Weighing
+
+    entries, rest = [], iter(found.residuals.tolist())
+    for one in readings:
+        if isinstance(one, Weighing):
+            for group, load in one.loads.items():
+                entries.append({"scale": "+".join(group), "kg": load, "residual_kg": next(rest)})
+        else:
+            entries.append(
+                {
+                    "heading_deg": math.degrees(one.heading),
+                    "slope_deg": math.degrees(one.slope),
+                    "residual_deg": math.degrees(next(rest)),
+                }
+            )
+    open_ = [axis for axis, std in zip("xyz", found.com_std, strict=True) if math.isinf(std)]
+    return {
+        "robot": robot.name,
+        "length_unit": robot.length_unit,
+        "mass": found.mass if math.isfinite(found.mass_std) else None,
+        "mass_std": found.mass_std,
+        "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
+        "com_shift": found.com_shift,
+        "com_std": found.com_std,
+        "com_open": open_,
+        "readings": entries,
+        "next": advice_entry(robot, found.advice),
+    }
+
+
+def advice_entry(robot: "Recipe", advice: "Advice | None") -> dict[str, Any] | None:
+    """Return what a report says of the weighing that would help most."""
+    import numpy as np
+
+    if advice is None:
+        return None
+    return {
+        "posture": output.by_unit(robot, np.array(advice.params)),
+        "slope_deg": math.degrees(advice.slope),
+        "heading_deg": math.degrees(advice.heading),
+        "com_std": advice.com_std,
+    }
+
+
+def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return the report as text."""
+    unit = output.unit_text(report["length_unit"])
+    cell = output.cell
+    yield f"{report['robot']}: {len(report['readings'])} readings"
+    rows = []
+    if report["mass"] is not None:
+        recipe = cell(report["recipe_mass"], ".6g", " kg")
+        deviation = f"+- {cell(report['mass_std'], '.2g', ' kg')}"
+        rows.append(["mass", cell(report["mass"], ".6g", " kg"), deviation, f"(recipe {recipe})"])
+    for axis, shift, std in zip("xyz", report["com_shift"], report["com_std"], strict=True):
+        known = [cell(shift, "+.5g", unit), f"+- {cell(std, '.2g', unit)}"]
+        rows.append([f"com {axis}", *(known if std is not None else ["not determined"])])
+    yield from output.aligned(rows)
+    if report["com_open"]:
+        yield "what is not determined stays as the recipe has it: level scales tell no height;"
+        yield "weigh on a slope of 10 deg as well, or give --tilt"
+    table = [["reading", "value", "residual"]]
+    for one in report["readings"]:
+        if "scale" in one:
+            table.append(
+                [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
+            )
+        else:
+            at = f"tips, heading {one['heading_deg']:g} deg"
+            table.append(
+                [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
+            )
+    yield from output.aligned(table)
+    if (advice := report["next"]) is not None:
+        ground = (
+            "level"
+            if advice["slope_deg"] == 0.0
+            else (f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg")
+        )
+        yield (
+            f"most would help: all scales at {output.posture_text(advice['posture'])}, {ground}: "
+            f"com to {cell(advice['com_std'], '.2g', unit)}"
+        )
+    yield "correction, under [robot]:"
+    for key, value in report["keys"].items():
+        yield f"  {key} = {value!r}"

@@ -1,0 +1,188 @@
+"""Mass and centre of mass from scales and tilts, on a robot whose true ones are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from firmware_export.contacts.closed import closed_form
+from lutgen.analysis import Posture, tilt_limits, tilted
+from lutgen.analysis.weighed_recipe import corrected
+from lutgen.analysis.weighing import Tipping, Weighing, weigh
+from lutgen.errors import InputError, RecipeError
+from lutgen.recipe import Recipe, forward, parse_recipe
+
+CORNERS = {"fl": (0.5, 0.4), "fr": (0.5, -0.4), "rl": (-0.5, 0.4), "rr": (-0.5, -0.4)}
+SHIFT = np.array([0.03, -0.02, 0.05])
+# Poses: lift (m), slope and heading (rad).
+LEVEL, SLOPED = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], [(0.1, 0.2, 0.7)]
+
+
+def cart(mass: float, com: tuple[float, float, float]) -> Recipe:
+    """Return a cart with a load that is lifted forward; its masses are in the ratio of 5 to 1."""
+    contacts = "".join(
+        f'[[robot.contact]]\nname = "{name}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
+        for name, (x, y) in CORNERS.items()
+    )
+    return parse_recipe(
+        '[robot]  # a cart\nname = "cart"\nlength_unit = "m"\n'
+        '[[robot.parameter]]\nname = "lift"\nmin = 0.0\nmax = 0.3\nunit = "m"\n'
+        f'[[robot.link]]\nname = "body"\nmass = {mass / 1.2!r}\ncom = {[*map(float, com)]}\n'
+        '[[robot.link]]\nname = "load"\nparent = "body"\norigin = [0, 0, 0.4]\n'
+        'joint = { type = "prismatic", axis = [0.6, 0, 0.8], parameter = "lift" }\n'
+        f"mass = {mass / 6.0!r}\n{contacts}"
+        '[sweep]\nsamples = { lift = 3 }\n[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\n'
+        'nodes = 5\nchannels = ["sdg"]\n'
+    )
+
+
+MODEL = cart(12.0, (0.0, 0.0, 0.1))
+# The body carries 5/6 of the mass, so that its com moves that of all by SHIFT.
+TRUE = cart(14.4, tuple(np.array([0.0, 0.0, 0.1]) + 1.2 * SHIFT))  # type: ignore[arg-type]
+
+
+def loads(lift: float, slope: float, heading: float) -> dict[tuple[str, ...], float]:
+    """Return the loads (kg) of the true cart on a slope, of many one that friction balances.
+
+    All forces on the body are added up about its com; each foot's friction is uphill and
+    proportional to its load.
+    """
+    (points,) = forward(TRUE, [[lift]]).centres
+    down = tilted(slope, heading)
+    push = down / down[2]
+    equations = np.vstack([np.ones(4), np.cross(points, push).T])
+    wanted = np.array([14.4 * math.cos(slope), 0.0, 0.0, 0.0])
+    found = np.linalg.lstsq(equations, wanted, rcond=None)[0]
+    assert np.allclose(equations @ found, wanted, atol=1e-12)
+    # Four feet on a plane: what one diagonal takes more the other takes less.
+    found += 0.3 * np.array([1.0, -1.0, -1.0, 1.0]) * (1.0 if slope == 0.0 else 0.0)
+    return {(name,): float(load) for name, load in zip(CORNERS, found, strict=True)}
+
+
+def weighed(*poses: tuple[float, float, float], accuracy: float = 0.01) -> list[Weighing]:
+    return [Weighing((q,), loads(q, s, h), accuracy, s, h) for q, s, h in poses]
+
+
+def test_exact_scales_on_a_slope_give_the_mass_and_all_of_the_com() -> None:
+    found = weigh(MODEL, weighed(*LEVEL, *SLOPED))
+    assert found.mass == pytest.approx(14.4, abs=1e-12)
+    np.testing.assert_allclose(found.com_shift, SHIFT, atol=1e-12)
+    np.testing.assert_allclose(found.residuals, 0.0, atol=1e-12)
+    assert 0.0 < found.spread < 0.01
+
+
+def test_level_scales_leave_the_height_open_and_a_slope_is_advised() -> None:
+    found = weigh(MODEL, weighed(*LEVEL))
+    np.testing.assert_allclose(found.com_shift, [*SHIFT[:2], 0.0], atol=1e-12)
+    assert np.isinf(found.com_std).tolist() == [False, False, True]
+    assert found.advice is not None
+    assert found.advice.slope > 0.0
+    after = weighed(*LEVEL, (found.advice.params[0], found.advice.slope, found.advice.heading))
+    # The advice promises the deviation that is then found.
+    assert weigh(MODEL, after).spread == pytest.approx(found.advice.com_std, rel=0.05)
+
+
+def test_scales_under_the_axles_tell_nothing_across() -> None:
+    both = [
+        Weighing(
+            one.params,
+            {
+                ("fl", "fr"): one.loads[("fl",)] + one.loads[("fr",)],
+                ("rl", "rr"): one.loads[("rl",)] + one.loads[("rr",)],
+            },
+            0.01,
+        )
+        for one in weighed(*LEVEL)
+    ]
+    found = weigh(MODEL, both)
+    assert found.mass == pytest.approx(14.4)
+    assert found.com_shift[0] == pytest.approx(SHIFT[0])
+    assert np.isinf(found.com_std).tolist() == [False, True, True]
+
+
+def test_slopes_at_which_it_begins_to_tip_give_the_height() -> None:
+    headings = np.array([0.0, 1.57, 3.1, -1.6])
+    slopes = tilt_limits(TRUE, [0.1], headings, "plane")
+    tips = [
+        Tipping((0.1,), float(slope), float(heading), math.radians(1.0))
+        for slope, heading in zip(slopes, headings, strict=True)
+    ]
+    found = weigh(MODEL, [*weighed(*LEVEL), *tips])
+    np.testing.assert_allclose(found.com_shift, SHIFT, atol=1e-9)
+    alone = weigh(MODEL, tips)
+    np.testing.assert_allclose(alone.com_shift, SHIFT, atol=1e-9)
+    assert math.isinf(alone.mass_std)
+
+
+def test_of_noisy_weighings_two_deviations_hold_in_19_of_20() -> None:
+    rng, inside, draws = np.random.default_rng(5), 0, 200
+    exact = weighed(*LEVEL, *SLOPED, accuracy=0.1)
+    for _ in range(draws):
+        noisy = [
+            Weighing(
+                one.params,
+                {name: load + rng.normal(0.0, 0.1) for name, load in one.loads.items()},
+                0.1,
+                one.slope,
+                one.heading,
+            )
+            for one in exact
+        ]
+        found = weigh(MODEL, noisy)
+        inside += bool(abs(found.com_shift[2] - SHIFT[2]) < 2.0 * found.com_std[2])
+    # 95.4 % of a normal distribution, in 200 draws within three deviations; more, as scatter
+    # makes deviations larger.
+    assert 0.91 * draws <= inside <= draws - 1
+
+
+def test_a_reading_that_contradicts_the_others_makes_deviations_larger() -> None:
+    good = weighed(*LEVEL, *SLOPED)
+    bad = [*good[1:], Weighing((0.0,), {**good[0].loads, ("fl",): 9.0}, 0.01)]
+    assert weigh(MODEL, bad).spread > 10.0 * weigh(MODEL, good).spread
+
+
+def test_the_corrected_recipe_is_the_robot_that_was_weighed() -> None:
+    text = corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED)))
+    assert "# a cart" in text
+    robot = parse_recipe(text)
+    for lift in (0.0, 0.17):
+        np.testing.assert_allclose(
+            forward(robot, [[lift]]).centres, forward(TRUE, [[lift]]).centres, atol=1e-8
+        )
+    assert math.fsum(link.mass for link in robot.links) == pytest.approx(14.4)
+    assert robot.com_uncertainty > 0.0
+    # Weighed once more it needs no correction, and the keys are there once.
+    again = corrected(robot, weigh(robot, weighed(*LEVEL, *SLOPED)))
+    assert again.count("com_offset") == 1
+    np.testing.assert_allclose(parse_recipe(again).com_offset, robot.com_offset, atol=1e-8)
+
+
+def test_what_cannot_be_weighed_is_refused_in_a_sentence() -> None:
+    with pytest.raises(InputError, match="got no readings"):
+        weigh(MODEL, [])
+    with pytest.raises(InputError, match=r"carries nothing .*'mast'.* fl, fr"):
+        weigh(MODEL, [Weighing((0.0,), {("mast",): 3.0}, 0.1)])
+    with pytest.raises(InputError, match="no mass above 0"):
+        weigh(MODEL, [Weighing((0.0,), {(name,): -1.0 for name in CORNERS}, 0.1)])
+    dotted = parse_recipe(
+        MODEL.text.replace("[robot]  # a cart\nname", "robot.name").replace(
+            "\nlength_unit", "\nrobot.length_unit"
+        )
+    )
+    with pytest.raises(RecipeError, match=r"com_offset = \[.*by hand"):
+        corrected(dotted, weigh(MODEL, weighed(*LEVEL)))
+
+
+def test_an_export_knows_the_offset() -> None:
+    robot = parse_recipe(corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED))))
+    constant = closed_form(robot).com.terms[()] - closed_form(MODEL).com.terms[()]
+    np.testing.assert_allclose(constant, SHIFT, atol=1e-8)
+
+
+def test_the_offset_counts_for_tilts() -> None:
+    text = MODEL.text.replace("[robot]  # a cart", "[robot]\ncom_offset = [0, 0.1, 0]")
+    robot = parse_recipe(text)
+    left, right = tilt_limits(robot, [0.0], [0.5 * math.pi, -0.5 * math.pi], "plane")
+    height = float(Posture(robot, [0.0]).stance.facets[0].height)
+    assert left == pytest.approx(math.atan2(0.3, height))
+    assert right == pytest.approx(math.atan2(0.5, height))
