@@ -61,7 +61,6 @@ def metrics(recipe: str, asked: Asked) -> None:
 
     Parameters without -p are at the recipe's `home`, then in the middle of their range.  The
     force-angle measure is that of a weight of 1.  Only the tip-over angle's sign is a verdict.
-    `lutgen plot --kind metrics` draws them.
 
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20

@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen import plot
 from lutgen.analysis.metrics import METRICS, compare_metrics, force_angle
 from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
-from lutgen.plot.marks import TIPS
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.commands import run
 from tests.fixtures.documents import blocks
@@ -149,60 +147,6 @@ def test_eval_gives_every_axis_its_force_angle(tmp_path: Path) -> None:
     assert got == pytest.approx([side, side, end, end], abs=1e-12)
 
 
-# The figure
-
-
-def test_the_figure_draws_five_lines_marks_their_zeros_and_hatches_the_verdict(
-    table: Recipe,
-) -> None:
-    figure = plot.draw("metrics", table, tilt=33.0)
-    (axes,) = figure.axes
-    lines = [line for line in axes.get_lines() if len(line.get_xdata()) == 721]
-    found = compare_metrics(
-        Posture(table, []), tilted(math.radians(33.0), np.radians(np.arange(721) / 2.0))
-    )
-    assert len(lines) == len(METRICS)
-    drawn = {str(line.get_label()).split(" /")[0]: np.asarray(line.get_ydata()) for line in lines}
-    for label, name in {
-        "tip-over angle": "tip_angle",
-        "static margin": "margin",
-        "energy margin": "energy_margin",
-        "force-angle": "force_angle",
-    }.items():
-        assert drawn[label].tolist() == found.normalised[name].tolist()
-    # It tips over its two long sides: each of the four lines has four zeros where hatching ends.
-    zeros = [np.asarray(m.get_xdata()) for m in axes.get_lines() if m.get_marker() == "o"]
-    edge = math.degrees(math.asin(0.6 / math.tan(math.radians(33.0))))
-    expected = [edge, 180.0 - edge, 180.0 + edge, 360.0 - edge]
-    assert sum(len(z) == 4 for z in zeros) >= 4
-    for places in zeros[:4]:
-        # Half a degree of heading, a straight line in between.
-        assert places == pytest.approx(expected, abs=0.05)
-    text = "\n".join(t.get_text() for legend in figure.legends for t in legend.get_texts())
-    assert f"{TIPS} (the verdict)" in text
-    assert "changes sign" in text
-    assert "static margin / 0.6 m" in text
-    level = plot.draw("metrics", table, tilt=5.0)
-    words = "\n".join(t.get_text() for legend in level.legends for t in legend.get_texts())
-    assert TIPS not in words
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"tilt": -1.0}, "tilt must lie between 0 and 180 deg (got -1)"),
-        ({"tilt": math.nan}, "tilt must lie between 0 and 180 deg (got nan)"),
-        ({"convention": "plane"}, "a metrics figure turns gravity in the body itself"),
-    ],
-)
-def test_the_figure_refuses_what_it_cannot_draw(
-    table: Recipe, options: dict[str, Any], said: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        plot.draw("metrics", table, **options)
-    assert said in str(caught.value)
-
-
 # The page
 
 
@@ -227,5 +171,4 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
     for output, text in zip(printed, shown, strict=True):
         # A page may leave out the end.
         assert output.startswith(text)
-    assert Path("metrics.png").read_bytes().startswith(b"\x89PNG")
     assert Path("limits.png").read_bytes().startswith(b"\x89PNG")

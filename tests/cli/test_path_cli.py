@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.collections import Collection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from lutgen.errors import InputError
 from lutgen.plot import draw_path, save
-from lutgen.plot.path import RED
+from lutgen.plot.path import CAMERA
+from lutgen.plot.style import LIGHT
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.terrain import paper_path, turned
@@ -162,45 +163,22 @@ def test_the_figure_has_both_runs_and_repeats_to_the_byte(recipe: str, tmp_path:
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def reds(axes: Any) -> list[Any]:
-    """Return the pieces of the path that are drawn red."""
-    (found,) = [
-        c
-        for c in axes.collections
-        if isinstance(c, Collection) and hasattr(c, "_segments3d") and _is_red(c)
-    ]
-    return list(found._segments3d)
-
-
-def _is_red(collection: Collection) -> bool:
-    colours = np.atleast_2d(np.asarray(collection.get_edgecolor()))
-    return bool(len(colours)) and np.allclose(colours[0, :3] * 255, _rgb(RED), atol=0.6)
-
-
-def _rgb(colour: str) -> list[int]:
-    return [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
-
-
 def test_red_is_where_it_tips_over_and_nowhere_else(two: Recipe) -> None:
     fixed, changing = by_hand(two, 100, control=False), by_hand(two, 100)
     figure = draw_path(two, {"fixed shape": fixed, "changing shape": changing})
     for axes, drawn in zip(figure.axes[:2], (fixed, changing), strict=True):
-        pieces = reds(axes)
-        inside = {tuple(point) for piece in pieces for point in piece}
-        points = [tuple(point) for point in drawn.path.position]
-        assert [point in inside for point in points] == drawn.tips.tolist()
-        # Equal scale: a length is as long along x as along z.
-        sides = np.array(
-            [np.ptp(lim) for lim in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
-        )
-        shape = np.asarray(axes._box_aspect)
-        np.testing.assert_allclose(shape / shape[0], sides / sides[0], rtol=1e-12)
+        (red,) = (c for c in axes.collections if c.get_label() == "tips over")
+        assert np.allclose(red.get_edgecolor()[0], to_rgba(LIGHT.red))
+        inside = {tuple(point) for piece in red.get_segments() for point in piece}
+        points = CAMERA.flat(drawn.path.position - drawn.path.position.mean(axis=0))
+        assert [tuple(point) in inside for point in points] == drawn.tips.tolist()
+        assert axes.get_aspect() == 1.0
     angles, geometry = figure.axes[2:]
     for line, drawn in zip(angles.lines, (fixed, changing), strict=False):
         expected = np.degrees(drawn.channels["tip_angle"])
         np.testing.assert_array_equal(line.get_ydata(), expected)
     labels = [line.get_label() for line in geometry.lines]
-    assert labels == [r"$\alpha$", r"$\gamma$"]
+    assert labels == ["\N{GREEK SMALL LETTER ALPHA}", "\N{GREEK SMALL LETTER GAMMA}"]
     np.testing.assert_array_equal(geometry.lines[0].get_ydata(), np.degrees(changing.params[:, 0]))
 
 
