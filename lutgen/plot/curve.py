@@ -68,8 +68,8 @@ def draw_curve(view: View) -> Figure:
         axes.plot([shown[best]], [y[best]], label="best", **STAR)
         share = (float(shown[best]) - ends[0]) / (ends[1] - ends[0])
         ha = "left" if share < 0.15 else "right" if share > 0.85 else "center"
-        # Above a minimum and below a maximum, where the line is not.
-        up = QUANTITIES[view.channel].sign * 34
+        # Above a minimum, and below a maximum between the ends, where the line is not.
+        up = QUANTITIES[view.channel].sign * 34 if ha == "center" else 19
         look: dict[str, Any] = {"textcoords": "offset points", "path_effects": halo(), "zorder": 9}
         words = f"{value} at {found}"
         axes.annotate(

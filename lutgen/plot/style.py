@@ -86,8 +86,8 @@ def colours() -> Colours:
 
 def house_style() -> AbstractContextManager[None]:
     """Apply the style sheets inside a with block, whatever the user's own settings are."""
-    sheets = [HERE / "lutgen.mplstyle"]
-    sheets += [HERE / "lutgen-dark.mplstyle"] if sheet().style == "dark" else []
+    sheets = [HERE / "light.mplstyle"]
+    sheets += [HERE / "dark.mplstyle"] if sheet().style == "dark" else []
     own = {"font.family": families(), "hatch.color": colours().hatch}
     return matplotlib.style.context(["default", *sheets, own])
 

@@ -138,6 +138,7 @@ class _Chart:
         self.rim = 90.0 if self.exact.max() <= 90.0 else 180.0
         self.least = math.degrees(found.worst.tilt)
         self.heading = math.degrees(found.worst.heading) % 360.0
+        self.names: list[Floats] = []
 
     def at(self, heading: Any, tilt: Any) -> Floats:
         """Return places (2, n) of tilts (deg)."""
@@ -163,8 +164,12 @@ class _Chart:
         limit = np.interp(psi, AROUND, self.exact / self.rim, period=360.0)
         core = np.interp(psi, AROUND, np.max([np.full(len(AROUND), 0.25), *inner], 0), period=360.0)
         clear = (radius < limit) & (radius > core) & (_apart(psi, self.heading) > 25.0)
+        for spot in self.names:
+            clear &= np.hypot((x - spot[0]) / 2.0, y - spot[1]) > 0.09
         disc.write_in(axes, clear, "stands", look.pale, look.blue)
-        disc.write_in(axes, (radius < 1.0) & (radius > limit), "tips over", look.wash)
+        disc.write_in(
+            axes, (radius < 1.0) & (radius > limit) & (radius > 0.25), "tips over", look.wash
+        )
         for heading, name in HEADINGS.items():
             near = bool(_apart(heading, self.heading) < 8.0)
             tilt = self.least if near else float(self.exact[round(heading / FINE)])
@@ -195,6 +200,7 @@ class _Chart:
         below = radius > 0.42
         spot = disc.at(h, max(radius - 0.05 if below else radius + 0.05, 0.3))
         va = "top" if (spot[1] > 0.0) == below else "bottom"
+        self.names.append(spot)
         text = self.axes.text(spot[0], spot[1], name, size=10, ha="center", va=va, zorder=7)
         text.set_path_effects(halo(3.0, colours().pale))
         return np.asarray(np.where(whole < self.most / self.rim, whole, 0.0))

@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.plot.painter import Camera, Solid, box, circle, frame_of, from_the_back
+from lutgen.plot.painter import Camera, Solid, box, frame_of, from_the_back
 from lutgen.plot.solids import solids_of
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, rigid, rover
+from tests.fixtures.recipes import contact, rigid
 
 UP = np.eye(3)
 
@@ -99,10 +99,3 @@ def test_every_robot_of_the_gallery_has_solids_at_its_contacts(name: str) -> Non
         away = np.linalg.norm(points - place, axis=1).min()
         assert away < 1.01 * radius + 0.05 * np.ptp(points)
     assert all(np.isfinite(solid.normals).all() for solid in solids)
-
-
-def test_circles_are_round_and_robots_of_one_arm_are_drawn() -> None:
-    rim = circle(np.array([1.0, 2.0, 3.0]), UP[2], 0.5)
-    np.testing.assert_allclose(np.linalg.norm(rim - [1, 2, 3], axis=1), 0.5)
-    np.testing.assert_allclose(rim[:, 2], 3.0)
-    assert len(solids_of(lutgen.parse_recipe(rover()), [0.4])) >= 4
