@@ -21,137 +21,119 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from lutgen import plot
-from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
+from lutgen.analysis import Posture, posture_limits
 from lutgen.errors import InputError, LutgenError
 from lutgen.files import write_text
 from lutgen.mapping import StabilityMap, load_map, share_that_tips
 from lutgen.parts import to_internal
 from lutgen.recipe.recipe import Recipe, load_recipe
 
-# Dots per inch: a figure is one column (3.5 in) wide and stays below 200 kB.
-RESOLUTION = 160
-WIDE_RESOLUTION = 120
-# Of the envelope of all postures.
-HEADINGS = 72
 PAGE_HEAD = "# Gallery\n"
-# Kinds that are drawn from the recipe.
-EXACT = ("robot", "polar", "metrics")
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One figure: its file's name, its kind, what it shows, and the options of `lutgen.plot.draw`.
-
-    An `exact` one is drawn from the recipe, for maps with few nodes along an axis.
-    """
+    """One figure: its file's name, its kind, what it shows, and the options of its function."""
 
     name: str
     kind: str
     caption: str
     options: dict[str, Any]
-    exact: bool = False
 
 
-def shot(name: str, kind: str, caption: str, exact: bool = False, **options: Any) -> Shot:
+def shot(name: str, kind: str, caption: str, **options: Any) -> Shot:
     """Return a figure of the table."""
-    return Shot(name, kind, caption, options, exact)
+    return Shot(name, kind, caption, options)
 
 
-# Slopes are nodes of the maps, so that the pictures show stored values.
-CLIMB_41 = (-math.tan(math.radians(60.0)) / 2.0, 0.0, -1.0)
-CLIMB_49 = (-math.tan(math.radians(75.0)) * 5.0 / 16.0, 0.0, -1.0)
+def slope(degrees: float) -> tuple[float, float, float]:
+    """Return gravity on ground on which the nose is uphill."""
+    return (-math.tan(math.radians(degrees)), 0.0, -1.0)
+
+
+GROUND: dict[str, Any] = {"convention": "plane"}
+SDG: dict[str, Any] = {"channel": "sdg", **GROUND}
 P1_HIGH = {"alpha": 10.0}
 EVEN = {"alpha": 31.0, "gamma": 31.0}
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
 FLAT = {"front": -10.6, "rear": -10.6}
 UP = {"front": 90.0, "rear": 90.0}
-STEP = {"front": 45.0, "rear": -10.6}
+LOWERED = {"front": -60.0, "rear": 0.0}
 LEANING = {"spread": 40.0, "lean": 20.0}
 # The left flippers reach the ground, the right ones stand up.
 UNEQUAL = {"front_left": -10.0, "front_right": 60.0, "rear_left": -10.0, "rear_right": 60.0}
-LEFT_DOWN = {"front_left": 0.0, "rear_left": 0.0}
+RIGHT = {"params": {"front_left": 0.0, "rear_left": 0.0}, "axes": ("front_right", "rear_right")}
 TWISTED = {"front": -45.0, "rear": 0.0}
 STEERED = {"steer": 35.0, "roll": 6.0}
 REACHING = {"swing": 90.0, "boom": 20.0, "stick": -60.0}
-FORWARD = {"swing": 0.0}
-# Degrees: two figures that are compared.
-ARM_SCALE = (18.0, 42.0)
 # The joints of the published description; positive angles lower a front flipper's tip.
 STAIRS = {
     **{"front_left_flipper_j": -40.0, "front_right_flipper_j": -40.0},
     **{"rear_left_flipper_j": 0.0, "rear_right_flipper_j": 0.0},
 }
-TIP: dict[str, Any] = {"channel": "tip_angle"}
-RIGHT: dict[str, Any] = {"params": LEFT_DOWN, "axes": ("front_right", "rear_right"), **TIP}
+HERO: dict[str, Any] = {
+    "postures": {
+        "flippers up": {"front": 100.0, "rear": 100.0},
+        "flippers flat": FLAT,
+        "on the tips\nof its flippers": {"front": -100.0, "rear": -100.0},
+    },
+    "title": "One robot, three postures: how far may it lean?",
+}
 SHOTS: dict[str, tuple[Shot, ...]] = {
     "paper_one": (
-        shot("robot", "robot", "the robot with wheel P1 low", params={"alpha": 45.0}),
-        shot("curve", "curve", "stability factor and height over alpha, level ground"),
-        shot("sphere", "sphere", "stability factor over gravity, P1 high", params=P1_HIGH),
+        shot("robot", "robot", "the robot with wheel P1 low", params={"alpha": 45.0}, **GROUND),
+        shot("curve", "curve", "stability factor over alpha, level ground", **SDG),
+        shot("sphere", "sphere", "tip-over angle under every gravity, P1 high", params=P1_HIGH),
         shot("polar", "polar", "largest tilt per heading, P1 high", params=P1_HIGH),
     ),
     "paper_two": (
-        shot("contour", "contour", "stability factor over both angles, level ground"),
-        shot("surface", "surface", "the same as a surface"),
-        shot("robot", "robot", "the robot climbing", params=UNEVEN, gravity=(-0.35, 0.0, -1.0)),
-        shot("slope", "contour", "stability factor, climbing steeply", gravity=CLIMB_41),
-        shot("sphere", "sphere", "stability factor over gravity, even wheels", params=EVEN),
+        shot("contour", "contour", "stability factor over both angles, level ground", **SDG),
+        shot("surface", "surface", "the same as a landscape", **SDG),
+        shot("robot", "robot", "climbing", params=UNEVEN, gravity=slope(20.0), **GROUND),
+        shot("slope", "contour", "tip-over angle, climbing", gravity=slope(40.0), **GROUND),
+        shot("sphere", "sphere", "tip-over angle under every gravity, even wheels", params=EVEN),
         shot("polar", "polar", "largest tilt per heading, uneven wheels", params=UNEVEN),
     ),
     "absolem": (
-        shot("robot", "robot", "the robot on a slope", params=STEP, gravity=(-0.5, 0.2, -1.0)),
-        shot("contour", "contour", "tip-over angle over both flipper pairs, level ground", **TIP),
-        shot("slope", "contour", "tip-over angle, climbing steeply", gravity=CLIMB_49, **TIP),
-        shot("sphere", "sphere", "tip-over angle, flippers on the ground", params=FLAT, **TIP),
+        shot("hero", "hero", "one robot, three postures: how far may it lean?", **HERO),
+        shot("robot", "robot", "climbing", params=LOWERED, gravity=slope(20.0)),
+        shot("limits", "limits", "how far it may be tilted, flippers on the ground", params=FLAT),
+        shot("contour", "contour", "tip-over angle over both flipper pairs, level", **GROUND),
+        shot("slope", "contour", "the same, climbing", gravity=slope(30.0), **GROUND),
+        shot("sphere", "sphere", "tip-over angle, flippers on the ground", params=FLAT),
         shot("polar_up", "polar", "largest tilt per heading, flippers straight up", params=UP),
-        shot("limits", "limits", "the same, flippers on the ground, and all postures", params=FLAT),
     ),
     "three_leg_sphere": (
-        shot("sphere", "sphere", "stability factor over all of gravity", params=LEANING),
-        shot("robot", "robot", "leg 1 to the left", params=LEANING, gravity=(0.25, 0.1, -1.0)),
-        shot("contour", "contour", "tip-over angle over both parameters, level ground", **TIP),
+        shot("sphere", "sphere", "tip-over angle under every gravity", params=LEANING),
+        shot("robot", "robot", "leg 1 to the left", params=LEANING, **GROUND),
+        shot("contour", "contour", "tip-over angle over both parameters, level ground", **GROUND),
         shot("polar", "polar", "largest tilt per heading, leg 1 to the left", params=LEANING),
     ),
     "marv": (
-        shot("robot", "robot", "left flippers down, right ones up", params=UNEQUAL),
+        shot("robot", "robot", "left flippers down, right ones up", params=UNEQUAL, **GROUND),
         shot("polar", "polar", "largest tilt per heading, the same posture", params=UNEQUAL),
-        shot("contour", "contour", "tip-over angle over the right flippers", True, **RIGHT),
-        shot("sphere", "sphere", "tip-over angle over gravity", params=UNEQUAL, **TIP),
+        shot("contour", "contour", "tip-over angle over the right flippers", **RIGHT, **GROUND),
+        shot("sphere", "sphere", "tip-over angle under every gravity", params=UNEQUAL),
     ),
     "markhor": (
-        shot("robot", "robot", "raised on its front flippers", params=TWISTED),
-        shot("limits", "limits", "largest tilts, and those of all postures", params=TWISTED),
-        shot("contour", "contour", "tip-over angle over both flipper pairs, level ground", **TIP),
-        shot("metrics", "metrics", "measures of stability over the heading", params=TWISTED),
+        shot("robot", "robot", "raised on its front flippers", params=TWISTED, **GROUND),
+        shot("limits", "limits", "how far it may be tilted", params=TWISTED),
+        shot("contour", "contour", "tip-over angle over both flipper pairs, level", **GROUND),
     ),
     "articulated": (
-        shot("robot", "robot", "bent to the left and twisted", params=STEERED),
-        shot("limits", "limits", "largest tilts, and those of all postures", params=STEERED),
-        shot("contour", "contour", "tip-over angle over both joints, level ground", **TIP),
-        shot("sphere", "sphere", "tip-over angle over gravity", params=STEERED, **TIP),
+        shot("robot", "robot", "bent to the left and twisted", params=STEERED, **GROUND),
+        shot("limits", "limits", "how far it may be tilted", params=STEERED),
+        shot("contour", "contour", "tip-over angle over both joints, level ground", **GROUND),
+        shot("sphere", "sphere", "tip-over angle under every gravity", params=STEERED),
     ),
     "excavator": (
-        shot("robot", "robot", "the arm reaches out to the left", params=REACHING),
-        shot("limits", "limits", "largest tilts, and those of all postures", params=REACHING),
-        shot(
-            "contour",
-            "contour",
-            "tip-over angle over boom and stick, arm forward",
-            params=FORWARD,
-            scale=ARM_SCALE,
-            **TIP,
-        ),
-        shot(
-            "aside",
-            "contour",
-            "the same with the arm to the left",
-            params={"swing": 90.0},
-            scale=ARM_SCALE,
-            **TIP,
-        ),
+        shot("robot", "robot", "the arm reaches out to the left", params=REACHING, **GROUND),
+        shot("limits", "limits", "how far it may be tilted", params=REACHING),
+        shot("contour", "contour", "boom and stick, arm ahead", params={"swing": 0.0}, **GROUND),
+        shot("aside", "contour", "the same, arm to the left", params={"swing": 90.0}, **GROUND),
     ),
     "absolem_urdf": (
-        shot("robot", "robot", "front flippers up", params=STAIRS, gravity=(-0.4, 0.1, -1.0)),
+        shot("robot", "robot", "front flippers up", params=STAIRS, gravity=slope(20.0)),
         shot("polar", "polar", "largest tilt per heading, the same posture", params=STAIRS),
     ),
 }
@@ -164,36 +146,36 @@ def shots_of(recipe: Recipe) -> tuple[Shot, ...]:
     result = [
         shot("robot", "robot", "the robot in the middle of its ranges"),
         shot("polar", "polar", "largest tilt per heading"),
+        shot("sphere", "sphere", "tip-over angle under every gravity"),
     ]
-    channel = next((name for name in recipe.channels if name != "facet"), "sdg")
-    if recipe.chart.nodes > 1:
-        result.append(shot("sphere", "sphere", "over gravity", channel=channel))
     if len(recipe.parameters) == 1:
-        result.append(shot("curve", "curve", "over its parameter", channel=channel))
+        result.append(shot("curve", "curve", "over its parameter"))
     elif recipe.parameters:
-        result.append(shot("contour", "contour", "over two parameters", channel=channel))
+        result.append(shot("contour", "contour", "over two parameters"))
     return tuple(result)
 
 
-def limits_figure(recipe: Recipe, params: dict[str, float]) -> Figure:
-    """Draw the limits of a posture (display units) and of all postures of the sweep."""
-    posture = [to_internal(params[p.name], p.display_unit) for p in recipe.parameters]
-    rows = recipe.grid.params(range(recipe.grid.size))
-    swept = sweep_limits(recipe, rows, even_headings(HEADINGS))
-    return plot.draw_limits(recipe, posture_limits(Posture(recipe, posture)), swept)
+def row_of(recipe: Recipe, params: dict[str, float]) -> list[float]:
+    """Return a posture (display units) in rad or length."""
+    return [to_internal(params[p.name], p.display_unit) for p in recipe.parameters]
 
 
-def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
-    """Draw the figures of a map."""
+def draw_one(recipe: Recipe, one: Shot) -> Figure:
+    """Draw a figure."""
+    if one.kind == "limits":
+        posture = Posture(recipe, row_of(recipe, one.options["params"]))
+        return plot.draw_limits(recipe, posture_limits(posture))
+    if one.kind == "hero":
+        postures = {n: row_of(recipe, p) for n, p in one.options["postures"].items()}
+        return plot.draw_hero(recipe, postures, one.options["title"])
+    return plot.draw(one.kind, recipe, **one.options)
+
+
+def draw_all(recipe: Recipe, folder: Path) -> None:
+    """Draw the figures of a recipe."""
     folder.mkdir(parents=True, exist_ok=True)
-    for each in shots_of(recipe):
-        if each.kind == "limits":
-            figure = limits_figure(recipe, **each.options)
-        else:
-            source = recipe if each.kind in EXACT or each.exact else stability_map
-            figure = plot.draw(each.kind, source, **each.options)
-        dpi = RESOLUTION if figure.get_figwidth() < 5.0 else WIDE_RESOLUTION
-        plot.save(figure, folder / f"{each.name}.png", dpi=dpi)
+    for one in shots_of(recipe):
+        plot.save(draw_one(recipe, one), folder / f"{one.name}.png")
 
 
 def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
@@ -222,7 +204,7 @@ def block(recipe: Recipe, stability_map: StabilityMap) -> str:
     """Return what stands between the markers of a map."""
     lines = [*numbers(recipe, stability_map), ""]
     for each in shots_of(recipe):
-        wide = each.kind == "sphere" and recipe.chart.kind == "sphere"
+        wide = each.kind == "hero"
         alt = f"{recipe.name}: {each.caption}"
         lines.append(
             f'<img src="{recipe.name}/{each.name}.png" width="{"98%" if wide else "49%"}" '
@@ -280,7 +262,7 @@ def main(arguments: list[str] | None = None) -> int:
                 f"{options.map}: was swept from another recipe than {options.recipe} (got digest "
                 f"{stability_map.recipe.digest[:12]} and {recipe.digest[:12]}); sweep it again."
             )
-        draw_all(recipe, stability_map, options.output / recipe.name)
+        draw_all(recipe, options.output / recipe.name)
         write_page(options.output / "README.md", recipe.name, block(recipe, stability_map))
     except LutgenError as error:
         print(f"gallery: {error}", file=sys.stderr)

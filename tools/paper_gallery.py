@@ -17,7 +17,7 @@ from lutgen.errors import InputError, LutgenError
 
 NAME = "paper"
 CAPTIONS = {
-    "fig08_curve": "Fig 8: stability factor and height over alpha, standing on a level plane",
+    "fig08_curve": "Fig 8: stability factor over alpha, standing on a level plane",
     "fig10_surface": "Fig 10: the stability map of 50 x 50 nodes",
     "fig11_plane": "Fig 11: the map of the robot standing on a level plane",
     "fig12_steps": "Fig 12: steps 1 to 3 of the searching algorithm",

@@ -35,8 +35,7 @@ def metrics(recipe: str, options: Options) -> None:
 
     They are |SD_g|, tip-over angle, static and energy margin, and force-angle.  Parameters without
     -p are at the recipe's `home`, then in the middle of their range.  The force-angle measure is
-    that of a weight of 1.  Only the tip-over angle's sign is a verdict. `lutgen plot --kind
-    metrics` draws them.
+    that of a weight of 1.  Only the tip-over angle's sign is a verdict.
 
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20

@@ -18,12 +18,11 @@ from lutgen.cli.options import (
     option,
     parameters,
     posture_source,
-    tilt,
 )
 from lutgen.cli.output import check_outputs, show, silent
 
 # Those of `lutgen.plot`, which takes a second to import.
-KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")
+KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 
 
 @dataclass(frozen=True)
@@ -36,13 +35,12 @@ class Asked(RecipeOptions, FigureOptions):
     kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
     assignments: tuple[tuple[str, float], ...] = parameters()
     gravity: tuple[float, float, float] = gravity()
-    channel: str = option("--channel", default="sdg", help="Channel to draw.")
+    channel: str = option("--channel", default="tip_angle", help="Channel to draw.")
     axes: str | None = option(
         "--axes",
         help="Parameters along the axes, comma separated.  [default: the first one or two]",
     )
     convention: str = convention()
-    tilt: float = tilt()
     scale: tuple[float, float] | None = option(
         "--scale",
         nargs=2,
@@ -53,16 +51,17 @@ class Asked(RecipeOptions, FigureOptions):
 
 @command("source", Asked)
 def plot(source: str, asked: Asked) -> None:
-    """Draw a figure of SOURCE, a map or a recipe.
+    """Draw a figure of SOURCE, a map or a recipe; its title is the answer.
 
     \b
-    curve    |SD_g| and height over one parameter, one gravity direction
-    contour  a channel over two parameters, one gravity direction
-    surface  the same in perspective
-    sphere   a channel over all gravity directions, one posture
-    polar    the largest tilt before tip-over for each heading, one posture
-    metrics  five metrics of stability over all headings at one tilt, one posture
-    robot    the body: contacts, support polygon, com, gravity ray, tip-over axes
+    contour  which posture is best: a channel over two parameters
+    surface  the same as a landscape
+    curve    the same over one parameter; dots are a map's nodes
+    sphere   how far one posture is from tipping over under every gravity
+    polar    how far one posture may be tilted in each heading
+    robot    what one posture stands on, and over which edge it tips first
+
+    The channel is the tip-over angle unless --channel says sdg, height or another one.
 
     What -p leaves out and no axis varies is at the recipe's `home`, then in the middle of its
     range.
@@ -88,7 +87,6 @@ def plot(source: str, asked: Asked) -> None:
             channel=asked.channel,
             axes=axes,
             convention=asked.convention,
-            tilt=asked.tilt,
             scale=asked.scale,
         )
         save(figure, asked.output, force=asked.force)

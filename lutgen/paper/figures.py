@@ -9,11 +9,10 @@ from lutgen.paper.model import DOWN, TO_THE_LEFT, paper_recipe
 from lutgen.paper.simulations import Results
 from lutgen.plot import draw_path, draw_steps
 
-RESOLUTION = 200
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
 SLOPE = (-0.3, 0.15, -1.0)
 # CSS pixels of an inch of a figure.
-PIXELS = 96.0 * 1.15
+PIXELS = 80.0
 
 
 def draw_figures(folder: Path, results: Results) -> dict[str, int]:
@@ -22,15 +21,16 @@ def draw_figures(folder: Path, results: Results) -> dict[str, int]:
     one, two, third = paper_recipe(moving=1), paper_recipe(), results.third
     search = results.second["plane", "search"]
     runs = {"without control": third["fixed"], "with control": third["lagged"]}
-    robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve")
-    contour, steps = partial(plot.draw, "contour"), partial(draw_steps, two, search, DOWN)
+    robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve", channel="sdg")
+    contour = partial(plot.draw, "contour", channel="sdg")
+    steps = partial(draw_steps, two, search, DOWN)
     painters = {
         "fig05_support": partial(robot, two, params=UNEVEN, gravity=SLOPE),
         # As printed: at the exact angle |SD_g| would be rounding noise.
         "fig07_robot": partial(robot, one, params={"alpha": 30.964}),
         "fig08_curve": partial(curve, one, convention="plane"),
         "fig09_robot": partial(robot, two, params=UNEVEN, convention="plane"),
-        "fig10_surface": partial(plot.draw, "surface", stability_map),
+        "fig10_surface": partial(plot.draw, "surface", stability_map, channel="sdg"),
         "fig11_map": partial(contour, stability_map),
         "fig11_plane": partial(contour, two, convention="plane"),
         "fig12_steps": partial(steps, (0, 1, 2)),
@@ -43,6 +43,6 @@ def draw_figures(folder: Path, results: Results) -> dict[str, int]:
     widths = {}
     for stem, paint in painters.items():
         figure = paint()
-        plot.save(figure, folder / f"{stem}.png", dpi=RESOLUTION)
+        plot.save(figure, folder / f"{stem}.png")
         widths[stem] = round(PIXELS * figure.get_figwidth())
     return widths

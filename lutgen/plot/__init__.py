@@ -1,12 +1,13 @@
-"""Figures of a robot's stability, from a map or a recipe.
+"""Figures of a robot's stability, from a map or a recipe; the title of each is its answer.
 
-In reading order: `sheet`, `fonts`, `palette`, `dark`, `style`, `words`, `legend`, `box`, `view`,
-`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `ground`, `animation`, `curve`, `metrics`,
-`plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
+In reading order: `sheet`, `fonts`, `words`, `style`, `labels`, `view`, `key`, `painter`, `solids`,
+`scene`, `disc`, `plane`, `robot`, `curve`, `contour`, `surface`, `sphere`, `tilt`,
+`figure`, `hero`, `steps`, `path`, `film`, `uneven`.
 """
 
-from lutgen.plot.animation import animate, check_animation
 from lutgen.plot.figure import KINDS, draw
+from lutgen.plot.film import animate, check_animation
+from lutgen.plot.hero import draw_hero
 from lutgen.plot.path import draw_path
 from lutgen.plot.sheet import STYLES, on_sheet
 from lutgen.plot.steps import draw_steps
@@ -21,6 +22,7 @@ __all__ = [
     "check_animation",
     "draw",
     "draw_footing",
+    "draw_hero",
     "draw_limits",
     "draw_path",
     "draw_steps",

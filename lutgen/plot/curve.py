@@ -1,140 +1,135 @@
-"""Curve: a channel and the height |OC| over one parameter at one gravity direction."""
+"""Curve: at which value of one parameter a quantity is best."""
 
 import math
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.plot.labels import NOTE, channel_label, name_axes, optimum_text, title
-from lutgen.plot.legend import add_legend
-from lutgen.plot.levels import crossings, jumps
-from lutgen.plot.marks import CENTRED, HATCHED, PLATE, TIPS, mark_optimum, tip_patch, write_beside
-from lutgen.plot.palette import BLUE, GREY
-from lutgen.plot.style import head, new_figure
-from lutgen.plot.view import View, is_sealed, optimum
-from lutgen.plot.words import folded
+from lutgen.plot.key import STAR
+from lutgen.plot.labels import (
+    channel_label,
+    found_text,
+    gravity_text,
+    name_axis,
+    named,
+    quantity_text,
+)
+from lutgen.plot.style import colours, halo
+from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
-from lutgen.recipe import Recipe, robot_size_of
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
-
-SIZE = (3.5, 2.7)
 SAMPLES = 401
-# Parts of the size (or of 1 deg) that rounding may leave of nothing.
-ROUNDING = 1e-9
-# A hatched interval narrower than this share of the axis has no room for its label.
-NARROW = 0.2
+# A step of this share of the range that stays whole in so many halvings is a jump.
+JUMP, HALVINGS = 0.02, 12
+# Parts of the range (or of 1 deg) that rounding leaves of nothing.
+NOISE = 1e-6
+# Hatched intervals of less than this share of the axis have no room for words.
+NARROW = 0.12
 
 
 def draw_curve(view: View) -> Figure:
-    """Return the figure; its lines hold the data in display units."""
-    values = _samples(view)
-    shown = view.shown(0, values)
-    exact = _exact(view, values)
-    figure = new_figure(SIZE)
-    axes = figure.add_subplot()
-    head(figure, title(view, gravity=True))
-    name_axes(axes, view, shown)
-    lines = [_line(axes, view, view.channel, shown, exact, color=BLUE)]
-    if view.channel != "height":
-        twin = axes.twinx()
-        dashed = {"color": GREY, "linestyle": (0, (4, 1.5))}
-        lines.append(_line(twin, view, "height", shown, exact, **dashed))
-        # The twin is drawn last; lift the first axes, whose notes belong on top.
-        axes.set_zorder(twin.get_zorder() + 1)
-        axes.patch.set_visible(False)
-    handles: list[Artist] = [*lines, *_nodes(axes, view)]
-    if shade_intervals(axes, shown, exact["tip_angle"]):
-        handles.append(tip_patch())
-    add_legend(figure, handles, columns=len(handles))
-    best = _best(view, exact)
+    """Return the figure; its first line holds the data as shown, broken at jumps."""
+    values, exact, breaks = _samples(view)
+    shown, tips = view.shown(0, values), exact["tip_angle"] < 0.0
+    y = np.array(QUANTITIES[view.channel].shown(exact[view.channel]), np.float64)
+    known = y[np.isfinite(y)]
+    noise = NOISE * max(float(np.ptp(known)) if known.size else 0.0, 1e-6)
+    y[np.abs(y) < noise] = 0.0
+    best = optimum(view.channel, np.where(tips, np.nan, y))
+    ends, parameter = (float(shown[0]), float(shown[-1])), view.parameter(0)
+    where = gravity_text(view.gravity_dir, view.convention)
+    good = "Small is good." if QUANTITIES[view.channel].sign > 0 else "Large is good."
+    note, found = f"{named(view.recipe, view.params, view.axes, where)} {good}", ""
+    sentence = f"Tips over in every posture, {where}"
     if best is not None:
-        at = float(shown[best])
-        drawn = np.asarray(lines[0].get_ydata(), dtype=np.float64)
-        value = float(drawn[best])
-        if math.isnan(value):  # where the line is broken
-            value = float(QUANTITIES[view.channel].shown(exact[view.channel][best]))
-        text = folded(optimum_text(view, value, drawn, at, "\n"), NOTE)
-        figure.draw_without_rendering()
-        paths = [line.get_transform().transform(line.get_xydata()) for line in lines]
-        mark_optimum(axes, at, value, text)
-        write_beside(axes, (at, value), text, paths)
+        value = quantity_text(view.recipe, view.channel, float(y[best]))
+        found = found_text(parameter, float(shown[best]), ends)
+        name = QUANTITIES[view.channel].symbol
+        sentence = f"Best at {found}: {name} {value}"
+        sentence = f"At {found} it is {value} from tipping over" if name[0] == "t" else sentence
+    figure, axes = view.page(4.0, (0.95, 0.75, 6.7, 2.95), sentence, note)
+    broken = [np.insert(part, breaks, np.nan) for part in (shown, y)]
+    axes.plot(*broken, color=colours().blue)
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+    room = 0.12 * (high - low) or max(abs(high), 1e-6)
+    axes.set_ylim(0.0 if 0.0 <= low <= 0.3 * high else low - room, high + room)
+    name_axis(axes.xaxis, parameter, ends, 80)
+    axes.set_xlim(*ends)
+    axes.tick_params(axis="x", pad=9)
+    name = channel_label(view.recipe, view.channel)
+    axes.text(0.0, 1.03, name, transform=axes.transAxes, va="bottom")
+    _nodes(axes, view)
+    _shade(axes, shown, tips)
+    if best is not None:
+        axes.plot([shown[best]], [y[best]], label="best", **STAR)
+        share = (float(shown[best]) - ends[0]) / (ends[1] - ends[0])
+        ha = "left" if share < 0.15 else "right" if share > 0.85 else "center"
+        # Above a minimum, and below a maximum between the ends, where the line is not.
+        up = QUANTITIES[view.channel].sign * 34 if ha == "center" else 19
+        look: dict[str, Any] = {"textcoords": "offset points", "path_effects": halo(), "zorder": 9}
+        words = f"{value} at {found}"
+        axes.annotate(
+            words, (shown[best], y[best]), ((ha == "left") * 8, up), ha=ha, va="center", **look
+        )
     return figure
 
 
-def _samples(view: View) -> Floats:
-    """Return the parameter's values: even, and once more between the neighbours of the optimum."""
-    even = np.linspace(*view.ends(0), SAMPLES)
-    best = _best(view, _exact(view, even))
-    if best is None:
-        return even
-    near = np.linspace(even[max(best - 1, 0)], even[min(best + 1, SAMPLES - 1)], SAMPLES)
-    return np.unique(np.concatenate([even, near]))
+def _samples(view: View) -> tuple[Floats, dict[str, Floats], NDArray[np.intp]]:
+    """Return values of the parameter, what is drawn at them, and before which the line is broken.
+
+    The values are even, with more between the neighbours of the optimum and at both ends of jumps.
+    """
+
+    def exact(values: Floats) -> dict[str, Floats]:
+        return view.exact(view.postures(values), view.gravity_dir, view.channel, "tip_angle")
+
+    values = np.linspace(*view.ends(0), SAMPLES)
+    found = exact(values)
+    best = optimum(view.channel, np.where(found["tip_angle"] < 0.0, np.nan, found[view.channel]))
+    if best is not None:
+        near = values[max(best - 1, 0)], values[min(best + 1, SAMPLES - 1)]
+        values = np.unique(np.concatenate([values, np.linspace(*near, SAMPLES)]))
+    one = exact(values)[view.channel]
+    known = one[np.isfinite(one)]
+    least = max(JUMP * float(np.ptp(known)), 1e-12) if known.size else math.inf
+    steep = np.flatnonzero(np.abs(np.diff(one)) > least)
+    a, b, va, vb = values[steep], values[steep + 1], one[steep], one[steep + 1]
+    for _ in range(HALVINGS if len(steep) else 0):
+        middle = 0.5 * (a + b)
+        vm = exact(middle)[view.channel]
+        first = np.abs(vm - va) > np.abs(vb - vm)
+        b, vb = np.where(first, middle, b), np.where(first, vm, vb)
+        a, va = np.where(first, a, middle), np.where(first, va, vm)
+    jumps = np.abs(vb - va) > least
+    values = np.unique(np.concatenate([values, a[jumps], b[jumps]]))
+    return values, exact(values), np.searchsorted(values, b[jumps])
 
 
-def _exact(view: View, values: Floats) -> dict[str, Floats]:
-    """Return what is drawn at values of the parameter."""
-    return view.exact(view.postures(values), view.gravity_dir, view.channel, "height", "tip_angle")
+def _nodes(axes: Axes, view: View) -> None:
+    """Draw what a map holds at its knots, if it covers the gravity direction."""
+    stability_map = view.stability_map
+    if stability_map is None or not stability_map.chart.locate(view.gravity_dir[None, :])[3][0]:
+        return
+    knots = np.asarray(stability_map.axes[view.axes[0]].knots)
+    rows, down = view.postures(knots), np.tile(view.gravity_dir, (len(knots), 1))
+    values = stability_map.read(rows, down, (view.channel,))[view.channel]
+    shown = QUANTITIES[view.channel].shown(values)
+    axes.plot(view.shown(0, knots), shown, "o", ms=3.2, color=colours().blue, label="map")
 
 
-def _best(view: View, exact: dict[str, Floats]) -> int | None:
-    """Return the best sample where the robot stands, if it does anywhere."""
-    # |SD_g| is NaN where it tips over anyway.
-    return optimum(view.channel, np.where(exact["tip_angle"] < 0.0, np.nan, exact[view.channel]))
-
-
-def _line(
-    axes: Axes, view: View, channel: str, shown: Floats, exact: dict[str, Floats], **look: Any
-) -> Line2D:
-    """Draw one channel on its own axis, broken where it jumps to another facet."""
-    values = np.array(QUANTITIES[channel].shown(exact[channel]))
-    known = np.isfinite(values)
-    values[known] = without_noise(view.recipe, values[known])
-    if known.any():
-        low, high = values[known].min(), values[known].max()
-        room = 0.08 * (high - low if high > low else max(abs(high), 1e-6))
-        axes.set_ylim(low - room, high + room)
-        values[1:][jumps(values)] = np.nan
-    else:
-        axes.set_yticks([])
-    axes.set_ylabel(channel_label(view.recipe, channel), color=look["color"])
-    axes.tick_params(axis="y", colors=look["color"])
-    (line,) = axes.plot(shown, values, label=QUANTITIES[channel].symbol, **look)
-    return line
-
-
-def without_noise(recipe: Recipe, values: Floats) -> Floats:
-    """Return values (display unit) that are 0 or alike but for rounding as 0, or as one value."""
-    noise = ROUNDING * (1.0 if is_sealed(recipe) else max(robot_size_of(recipe), 1.0))
-    if len(values) == 0:
-        return values
-    values = np.where(np.abs(values) < noise, 0.0, values)
-    return np.full_like(values, values.mean()) if np.ptp(values) < noise else values
-
-
-def _nodes(axes: Axes, view: View) -> list[Line2D]:
-    """Draw what the map holds at its knots, if it covers the gravity direction."""
-    if not view.on_chart():
-        return []
-    knots = view.knots(0, 0)
-    values = QUANTITIES[view.channel].shown(view.drawn(view.postures(knots)))
-    label = "map nodes" if view.at_node() else "map, interpolated"
-    look: dict[str, Any] = {"markersize": 2.2, "markerfacecolor": BLUE, "markeredgewidth": 0.0}
-    return axes.plot(view.shown(0, knots), values, "o", label=label, **look)
-
-
-def shade_intervals(axes: Axes, shown: Floats, tip_angle: Floats) -> bool:
-    """Hatch and label the intervals that tip over; False if there are none."""
-    tips = tip_angle < 0.0
-    ends = [*shown[:1][tips[:1]], *crossings(shown, tip_angle, tips), *shown[-1:][tips[-1:]]]
-    for low, high in zip(ends[::2], ends[1::2], strict=True):
-        axes.axvspan(low, high, linewidth=0.0, zorder=0.5, **HATCHED)
+def _shade(axes: Axes, shown: Floats, tips: NDArray[np.bool_]) -> None:
+    """Hatch the intervals that tip over, and say so if there is room."""
+    edges = np.flatnonzero(np.diff(np.pad(tips.astype(int), 1))).reshape(-1, 2)
+    middle = np.concatenate([shown[:1], (shown[1:] + shown[:-1]) / 2.0, shown[-1:]])
+    for low, high in middle[edges]:
+        look: dict[str, Any] = {"facecolor": colours().wash, "edgecolor": colours().hatch}
+        axes.axvspan(low, high, linewidth=0.0, zorder=0.5, hatch="//", **look)
         if high - low > NARROW * (shown[-1] - shown[0]):
+            words: dict[str, Any] = {"weight": "bold", "ha": "center", "va": "center"}
+            words["path_effects"] = halo(4.0, colours().wash)
             across = axes.get_xaxis_transform()
-            axes.text((low + high) / 2.0, 0.5, TIPS, transform=across, bbox=PLATE, **CENTRED)
-    return bool(tips.any())
+            axes.text((low + high) / 2.0, 0.5, "tips over", transform=across, **words)

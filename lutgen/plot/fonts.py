@@ -11,14 +11,12 @@ from matplotlib import font_manager
 
 log = logging.getLogger("lutgen")
 
-# Comes with matplotlib, so that most figures look alike everywhere.
-HOUSE = "DejaVu Sans"
-# What is asked for letters that it lacks; the first that are installed.
-OTHERS = (
-    *("Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC", "Noto Sans JP"),
-    *("Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei", "IPAGothic", "Unifont"),
-    *("Droid Sans Fallback", "PingFang SC", "Hiragino Sans", "Apple SD Gothic Neo"),
-    *("Microsoft YaHei", "Yu Gothic", "Malgun Gothic", "Arial Unicode MS"),
+# DejaVu comes with matplotlib; the others are asked for letters that it lacks, if installed.
+KNOWN = (
+    *("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC"),
+    *("Noto Sans JP", "Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei"),
+    *("IPAGothic", "Unifont", "Droid Sans Fallback", "PingFang SC", "Hiragino Sans"),
+    *("Apple SD Gothic Neo", "Microsoft YaHei", "Yu Gothic", "Malgun Gothic", "Arial Unicode MS"),
     *("Noto Sans Devanagari", "Noto Sans Thai", "Noto Sans Bengali", "Noto Sans Tamil"),
 )
 _MISSING = re.compile(r"Glyph (\d+) .* missing from")
@@ -28,7 +26,7 @@ _MISSING = re.compile(r"Glyph (\d+) .* missing from")
 def families() -> tuple[str, ...]:
     """Return the fonts to take letters from, the first that has one."""
     installed = {font.name for font in font_manager.fontManager.ttflist}
-    return (HOUSE, *(name for name in OTHERS if name in installed))
+    return tuple(name for name in KNOWN if name in installed)
 
 
 @contextmanager
@@ -42,9 +40,8 @@ def said_once() -> Iterator[None]:
         if found := _MISSING.search(str(warning.message)):
             missing.add(chr(int(found[1])))
         else:
-            warnings.warn_explicit(
-                warning.message, warning.category, warning.filename, warning.lineno
-            )
+            place = (warning.filename, warning.lineno)
+            warnings.warn_explicit(warning.message, warning.category, *place)
     if missing:
         letters = "".join(sorted(missing))
         log.warning(

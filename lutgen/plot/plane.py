@@ -1,155 +1,195 @@
-"""Contour and surface: a channel over two parameters at one gravity direction."""
+"""Plane: a quantity over two parameters, exact, and where it jumps.
 
-import math
-from dataclasses import dataclass
-from typing import Any, cast
+A step between two neighbours is a jump if it stays whole as the cell is halved again and again.
+"""
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, maximum
+from scipy.ndimage import label as connected
+from scipy.spatial import cKDTree
 
-from lutgen.plot.box import box_axes, fit_box
-from lutgen.plot.labels import channel_label, name_axes, optimum_text, slide_label, title
-from lutgen.plot.legend import add_legend
-from lutgen.plot.levels import fill, jumps, label_lines, levels, outline
-from lutgen.plot.marks import (
-    STAR,
-    TIPPED,
-    label_tip_over,
-    mark_optimum,
-    mark_sliding,
-    shade_tip_over,
-    tip_patch,
-)
-from lutgen.plot.palette import MAP
-from lutgen.plot.style import head, new_figure
-from lutgen.plot.view import View, optimum
+from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
-CONTOUR_SIZE = (3.5, 2.9)
-SURFACE_SIZE = (3.5, 3.6)
-SAMPLES = 101
-# The floor of a surface lies this share of the range below it.
-FLOOR = 0.35
-# Lines of the mesh drawn on a surface, each way.
-MESH = 12
-# Numbers beside a surface.
-MOST_STEPS = 6
+CELLS, FINER = 180, 6
+# What is left of a step after so many halvings, in degrees: contours end from BREAK on, and a line
+# is drawn from FAINT on if it is DRAWN high somewhere and SHORTEST cells long.
+HALVINGS, BREAK, FAINT, DRAWN, SHORTEST = 6, 0.3, 1.0, 2.5, 8
+# Contours end this many cells from a jump, and where the slope is below FLAT a cell.
+CLEAR, FLAT = 1.6, 0.05
+# Of a channel without degrees, this share of its range counts as one.
+SHARE = 0.02
+# Postures as good as the best one but for this much are alike; the star stands well inside of them.
+ALIKE, INSIDE = 2.0, 0.7
 
 
-@dataclass(frozen=True)
 class Plane:
-    """What is drawn, in display units.
+    """A channel over two parameters, all as shown.
 
-    `x` and `y` are the parameters and `values` the channel, NaN where the robot tips over if the
-    channel is; `fine_x`, `fine_y`, `tip_angle` and `grip` (rad, see `View.grip`) are the exact
-    verdicts on a finer mesh; all (ny, nx).  `best` is the optimum: its place (x, y), value and
-    words; None without values.
+    `values` are on a mesh `x`, `y`; `big` on one five times finer, `fx`, `fy`, exact where it jumps
+    or is steep.  Both are NaN where the robot tips over, or below 0 for the tip-over angle; `tips`
+    says where that is in `big`.  `degree` is what counts as one degree.
     """
 
-    x: Floats
-    y: Floats
-    values: Floats
-    fine_x: Floats
-    fine_y: Floats
-    tip_angle: Floats
-    grip: Floats
-    best: tuple[float, float, float, str] | None
+    def __init__(self, view: View, cells: int = CELLS) -> None:
+        self.view = view
+        self.x, self.y = (np.linspace(*view.window(i), cells + 1) for i in (0, 1))
+        self.values = self.read(*np.meshgrid(self.x, self.y))
+        known = self.values[np.isfinite(self.values)]
+        spread = float(np.ptp(known)) if known.size else 1.0
+        self.degree = 1.0 if view.channel == "tip_angle" else max(SHARE * spread, 1e-12)
+        self.jumps = [self._find_jumps(axis) for axis in (0, 1)]
+        self._enlarge()
+
+    def read(self, x: Floats, y: Floats) -> Floats:
+        """Return the channel at places."""
+        view = self.view
+        stored = (view.parameter(i).stored(np.ravel(part)) for i, part in enumerate((x, y)))
+        # Degrees come back from rad a rounding beyond the range.
+        inside = [np.clip(part, *view.ends(i)) for i, part in enumerate(stored)]
+        found = view.exact(view.postures(*inside), view.gravity_dir, view.channel, "tip_angle")
+        shown = QUANTITIES[view.channel].shown(found[view.channel])
+        if view.channel != "tip_angle":
+            shown = np.where(found["tip_angle"] < 0.0, np.nan, shown)
+        return np.asarray(shown).reshape(np.shape(x))
+
+    def _find_jumps(self, axis: int) -> Floats:
+        """Return (3, ...) for each pair of neighbours: the place of a jump and its height."""
+        with np.errstate(invalid="ignore"):
+            step = np.abs(np.diff(self.values, axis=axis))
+        rows, columns = np.nonzero(step > BREAK * self.degree)
+        a = np.array([self.x[columns], self.y[rows]])
+        b = np.array([self.x[columns + axis], self.y[rows + (1 - axis)]])
+        va, vb = self.values[rows, columns], self.values[rows + (1 - axis), columns + axis]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (a + b)
+            vm = self.read(*middle)
+            first = np.abs(vm - va) > np.abs(vb - vm)
+            b, vb = np.where(first, middle, b), np.where(first, vm, vb)
+            a, va = np.where(first, a, middle), np.where(first, va, vm)
+            # What is no jump by now is none later.
+            left = (np.abs(vb - va) > BREAK * self.degree) & self._stands(np.fmax(va, vb))
+            rows, columns, va, vb = rows[left], columns[left], va[left], vb[left]
+            a, b = a[:, left], b[:, left]
+        found = np.full((3, *step.shape), np.nan)
+        found[:2, rows, columns] = 0.5 * (a + b)
+        found[2, rows, columns] = np.abs(vb - va)
+        return found
+
+    def _stands(self, values: Floats) -> Bools:
+        return values > 0.0 if self.view.channel == "tip_angle" else np.isfinite(values)
+
+    def lines(self) -> Floats:
+        """Return pieces of the jumps' lines, (n, 2, 2)."""
+        up, across = self.jumps
+        cells = np.stack([across[:, :-1], across[:, 1:], up[:, :, :-1], up[:, :, 1:]])
+        height = np.nan_to_num(cells[:, 2]).max(axis=0)
+        chains, count = connected(height > FAINT * self.degree, structure=np.ones((3, 3)))
+        drawn = np.bincount(chains.ravel(), minlength=count + 1) >= SHORTEST
+        drawn &= maximum(height, chains, np.arange(count + 1)) > DRAWN * self.degree
+        drawn[0] = False
+        pieces: list[list[Floats]] = []
+        for i, j in np.argwhere(drawn[chains]):
+            here = [c[:2, i, j] for c in cells if c[2, i, j] > 0.8 * FAINT * self.degree]
+            middle = np.mean(here, axis=0)
+            pieces += [here] if len(here) == 2 else [[one, middle] for one in here]
+        return np.array(pieces).reshape(-1, 2, 2)
+
+    def _enlarge(self) -> None:
+        """Make the picture: between nodes linear, exact in cells that hold a jump or are steep."""
+        up, across = (np.isfinite(jump[0]) for jump in self.jumps)
+        cut = across[:-1] | across[1:] | up[:, :-1] | up[:, 1:]
+        ends = ((0, -1), (1, None))
+        corners = np.stack([self.values[a:b, c:d] for a, b in ends for c, d in ends])
+        with np.errstate(invalid="ignore"):
+            steep = np.ptp(corners, axis=0) > DRAWN * self.degree
+        stands = self._stands(corners)
+        steep |= stands.any(axis=0) & ~stands.all(axis=0)
+        wide, jumps = cut | steep, cut.copy()
+        for axis in (0, 1):
+            for move in (-1, 1):
+                wide |= np.roll(cut | steep, move, axis)
+                jumps |= np.roll(cut, move, axis)
+        ny, nx = self.values.shape
+        self.fx = np.linspace(self.x[0], self.x[-1], (nx - 1) * FINER + 1)
+        self.fy = np.linspace(self.y[0], self.y[-1], (ny - 1) * FINER + 1)
+        rows = np.array([np.interp(self.fx, self.x, row) for row in self.values])
+        self.big = np.array([np.interp(self.fy, self.y, column) for column in rows.T]).T
+        full, self.cut = _finer(wide, self.big.shape), _finer(jumps, self.big.shape)
+        gx, gy = np.meshgrid(self.fx, self.fy)
+        self.big[full] = self.read(gx[full], gy[full])
+        self.tips = ~self._stands(self.big) & (self.big != 0.0)
+
+    def broken(self) -> Floats:
+        """Return the picture with NaN at jumps, so that contours end there."""
+        result = self.big.copy()
+        for axis in (0, 1):
+            with np.errstate(invalid="ignore"):
+                step = np.abs(np.diff(self.big, axis=axis)) > BREAK * self.degree
+            one = (slice(None),) * axis + (slice(None, -1),)
+            two = (slice(None),) * axis + (slice(1, None),)
+            inside = step & self.cut[one] & self.cut[two]
+            result[one][inside] = np.nan
+            result[two][inside] = np.nan
+        return result
+
+    def clear(self, piece: Floats) -> list[Floats]:
+        """Return parts of a contour that are clear of jumps and of flat areas, and not short."""
+        cell = np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
+        dy, dx = np.gradient(self.values)
+        nearest = np.rint((piece - [self.x[0], self.y[0]]) / cell).astype(int)
+        slope = np.hypot(dx, dy)[nearest[:, 1], nearest[:, 0]]
+        good = ~(slope <= FLAT * self.degree)
+        places = np.concatenate([jump[:2].reshape(2, -1).T for jump in self.jumps])
+        places = places[np.isfinite(places[:, 0])]
+        if len(places):
+            good &= cKDTree(places / cell).query(piece / cell)[0] > CLEAR
+        groups, count = connected(good)
+        parts = [piece[groups == k] for k in range(1, count + 1)]
+        long = 0.05 * (len(self.x) - 1)
+        return [p for p in parts if np.linalg.norm(np.diff(p, axis=0) / cell, axis=1).sum() > long]
+
+    def flat(self) -> tuple[float, float, float] | None:
+        """Return the largest region that stays within about a degree: its middle and value."""
+        known = self.values[np.isfinite(self.values) & (self.values > 0.0)]
+        if not known.size:
+            return None
+        counts, ends = np.histogram(known, bins=np.arange(0.0, known.max() + 0.5, 0.25))
+        usual = float(ends[int(np.argmax(counts))]) + 0.125
+        groups, _ = connected(np.abs(self.values - usual) < 0.6)
+        sizes = np.bincount(groups.ravel())[1:]
+        if not sizes.size or sizes.max() < 0.08 * self.values.size:
+            return None
+        rows, columns = np.nonzero(groups == 1 + sizes.argmax())
+        lowest = float(self.values[rows, columns].min())
+        return float(np.median(self.x[columns])), float(np.median(self.y[rows])), lowest
+
+    def best(self) -> tuple[float, float, float] | None:
+        """Return where the best posture is and its value: well inside of those that are alike."""
+        good = -QUANTITIES[self.view.channel].sign * self.big
+        good = np.where(self.tips, np.nan, good)
+        if np.isnan(good).all():
+            return None
+        alike = ALIKE if self.view.channel == "tip_angle" else 1e-9
+        among = np.nan_to_num(good, nan=-np.inf) >= np.nanmax(good) - alike
+        depth = distance_transform_edt(np.pad(among, 1))[1:-1, 1:-1]
+        spans = [float(np.ptp(self.fx)), float(np.ptp(self.fy))]
+        far = np.hypot(*np.meshgrid(self.fx / spans[0], self.fy / spans[1]))
+        inside = depth >= INSIDE * depth.max()
+        row, column = np.unravel_index(
+            int(np.argmin(np.where(inside, far, np.inf))), self.big.shape
+        )
+        return float(self.fx[column]), float(self.fy[row]), float(self.big[row, column])
 
 
-def draw_contour(view: View) -> Figure:
-    """Return the filled contour chart."""
-    plane = _plane(view)
-    figure = new_figure(CONTOUR_SIZE)
-    axes = figure.add_subplot()
-    head(figure, title(view, gravity=True))
-    name_axes(axes, view, plane.x[0], plane.y[:, 0])
-    handles: list[Artist] = []
-    if plane.best is not None:
-        steps = levels(plane.values, view.scale)
-        filled = fill(axes, plane.x, plane.y, plane.values, steps)
-        look: dict[str, Any] = {"linewidths": 0.5, "linestyles": "solid"}
-        label_lines(axes, outline(axes, plane.x, plane.y, plane.values, steps, **look))
-        label = channel_label(view.recipe, view.channel)
-        figure.colorbar(filled, ax=axes, pad=0.02, aspect=28, label=label)
-        x, y, _, words = plane.best
-        handles.append(mark_optimum(axes, x, y, words))
-    fine, tip_angle = (plane.fine_x, plane.fine_y), plane.tip_angle
-    handles += mark_sliding(axes, fine, plane.grip, tip_angle, slide_label(view.recipe))
-    tips = shade_tip_over(axes, *fine, tip_angle)
-    if tips and not label_tip_over(axes, *fine, tip_angle, cells=SAMPLES // 8):
-        handles.append(tip_patch())
-    if handles:
-        add_legend(figure, handles)
-    return figure
-
-
-def draw_surface(view: View) -> Figure:
-    """Return the surface in perspective with its contour chart on the floor below it."""
-    plane = _plane(view)
-    figure = new_figure(SURFACE_SIZE)
-    axes = box_axes(figure, 26.0, -125.0)
-    name_axes(axes, view, plane.x[0], plane.y[:, 0])
-    axes.set(zlabel=channel_label(view.recipe, view.channel), zlim=(0.0, 1.0), zticks=[])
-    handles: list[Artist] = []
-    if plane.best is not None:
-        steps = levels(plane.values, view.scale)
-        axes.set_zlim(steps[0] - FLOOR * (steps[-1] - steps[0]), steps[-1])
-        axes.set_zticks(steps[:: max(1, math.ceil(len(steps) / MOST_STEPS))])
-        _raise_surface(axes, plane, steps)
-        handles.append(_raise_optimum(axes, *plane.best))
-    if (plane.tip_angle < 0.0).any():
-        floor = {"zdir": "z", "offset": axes.get_zlim()[0], "zorder": 2}
-        axes.contourf(plane.fine_x, plane.fine_y, plane.tip_angle, **floor, **TIPPED)
-        handles.append(tip_patch())
-    fit_box(figure, axes, (1.0, 1.0, 0.85), title(view, gravity=True), handles)
-    return figure
-
-
-def _raise_surface(axes: Any, plane: Plane, steps: Floats) -> None:
-    """Draw the surface and its contour chart on the floor."""
-    x, y = plane.x, plane.y
-    fill(axes, x, y, plane.values, steps, zdir="z", offset=axes.get_zlim()[0], zorder=1)
-    colours = {"cmap": MAP, "norm": Normalize(steps[0], steps[-1]), "antialiased": False}
-    every = {"rcount": SAMPLES, "ccount": SAMPLES}
-    axes.plot_surface(x, y, plane.values, linewidth=0.0, zorder=5, **every, **colours)
-    # Lines on a surface with cliffs would show through it.
-    if not jumps(plane.values, 0).any() and not jumps(plane.values, 1).any():
-        mesh = {"rcount": MESH, "ccount": MESH, "color": (0, 0, 0, 0.45), "linewidth": 0.35}
-        axes.plot_wireframe(x, y, plane.values, zorder=6, **mesh)
-
-
-def _raise_optimum(axes: Any, x: float, y: float, value: float, words: str) -> Artist:
-    """Mark the optimum on the surface and on the floor."""
-    floor = axes.get_zlim()[0]
-    axes.plot([x, x], [y, y], [floor, value], "k:", linewidth=0.8, zorder=7)
-    axes.plot([x], [y], [floor], "k.", markersize=3, zorder=7)
-    (star,) = axes.plot([x], [y], [value], zorder=8, label=words, **STAR)
-    return cast("Artist", star)
-
-
-def _plane(view: View) -> Plane:
-    """Compute what is drawn: at the map's nodes, or exactly on an even mesh."""
-    mesh = np.meshgrid(*(view.knots(place, SAMPLES) for place in (0, 1)))
-    fine = np.meshgrid(*(np.linspace(*view.ends(place), SAMPLES) for place in (0, 1)))
-    everywhere = view.postures(*fine)
-    verdict = view.exact(everywhere, view.gravity_dir, "tip_angle")["tip_angle"]
-    tip_angle = verdict.reshape(fine[0].shape)
-    grip = view.grip(everywhere, view.gravity_dir).reshape(fine[0].shape)
-    x, y, fine_x, fine_y = (view.shown(i, part[i]) for part in (mesh, fine) for i in (0, 1))
-    values = QUANTITIES[view.channel].shown(view.drawn(view.postures(*mesh))).reshape(x.shape)
-    if view.channel not in ("sdg", "height"):
-        # The others go on below zero beyond tip-over, where the hatching is.
-        values = np.where(values < 0.0, np.nan, values)
-    best, at = None, optimum(view.channel, values)
-    if at is not None:
-        place, value = (float(x.flat[at]), float(y.flat[at])), float(values.flat[at])
-        words = optimum_text(view, value, values, place)
-        # The best of a map's nodes, which the robot's own optimum may lie between.
-        words += " (map node)" if view.stability_map is not None else ""
-        best = (*place, value, words)
-    return Plane(x, y, values, fine_x, fine_y, tip_angle, grip, best)
+def _finer(cells: Bools, shape: tuple[int, ...]) -> Bools:
+    """Return which nodes of the finer mesh lie in or on some cells."""
+    mask = np.kron(cells, np.ones((FINER, FINER), np.bool_))
+    result = np.zeros(shape, np.bool_)
+    result[:-1, :-1] |= mask
+    result[1:, 1:] |= mask
+    return result

@@ -1,22 +1,22 @@
-"""Sheet: how wide a figure is and in which style it is drawn, where somebody asks.
-
-Every kind of figure has a size of its own, in which its words are legible in a column of a journal.
-"""
+"""Sheet: how wide a figure is and in which style it is drawn, if somebody asks."""
 
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from lutgen.errors import InputError
 
 STYLES = ("journal", "slides", "dark")
 INCH = 25.4
-# mm: narrower a legend has no room, and wider is a poster.
+# mm: letters of a narrower figure cannot be read, and a wider one is a poster.
 NARROWEST, WIDEST = 80.0, 1000.0
-# How many times as many dots a picture for a slide has, each way: a column as wide as a slide.
-SLIDE = 2.7
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,6 @@ class Sheet:
     width: float | None = None
     height: float | None = None
     style: str = "journal"
-
-    def size_of(self, own: tuple[float, float]) -> tuple[float, float]:
-        """Return the size of a figure in inches, given its own."""
-        if self.width is None:
-            return own
-        wide = self.width / INCH
-        return wide, own[1] * wide / own[0] if self.height is None else self.height / INCH
 
 
 OWN = Sheet()
@@ -47,6 +40,8 @@ def sheet() -> Sheet:
 @contextmanager
 def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     """Draw figures of a size (``"85"`` or ``"85x60"``, mm) and in a style, within a with block.
+
+    A figure keeps its shape: with a height it is as large as fits.
 
     Raises
     ------
@@ -72,3 +67,37 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
         yield
     finally:
         _sheet.reset(token)
+
+
+def resize(figure: Figure) -> None:
+    """Scale a finished figure to the sheet, with its letters and lines."""
+    asked = sheet()
+    if asked.width is None:
+        return
+    width, height = figure.get_size_inches() * INCH
+    scale = min(asked.width / width, (asked.height or np.inf) / height)
+    figure.set_size_inches(figure.get_size_inches() * scale)
+    ticks = set()
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        tick: Any = axis.get_major_ticks()[0]
+        look = {"labelsize": tick.label1.get_fontsize(), "length": tick.tick1line.get_markersize()}
+        look |= {"width": tick.tick1line.get_markeredgewidth(), "pad": tick.get_pad()}
+        axis.set_tick_params(**{name: scale * value for name, value in look.items()})
+        axis.labelpad *= scale
+        ticks |= {id(part) for tick in axis.get_major_ticks() for part in tick.findobj()}
+    sizes = ("fontsize", "markersize", "markeredgewidth", "linewidth", "mutation_scale")
+    every: list[Any] = figure.findobj()
+    every += [a.arrow_patch for a in every if getattr(a, "arrow_patch", None) is not None]
+    for artist in every:
+        if id(artist) in ticks:
+            continue
+        for name in sizes:
+            if hasattr(artist, f"set_{name}") and hasattr(artist, f"get_{name}"):
+                value = np.asarray(getattr(artist, f"get_{name}")()) * scale
+                getattr(artist, f"set_{name}")(value if value.ndim else float(value))
+        if getattr(artist, "anncoords", None) == "offset points":
+            artist.xyann = tuple(scale * np.array(artist.xyann))
+        for effect in artist.get_path_effects() or ():
+            stroke: Any = effect
+            wide = scale * stroke._gc["linewidth"]
+            artist.set_path_effects([withStroke(**(stroke._gc | {"linewidth": wide}))])

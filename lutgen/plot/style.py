@@ -1,7 +1,7 @@
-"""Look of the figures: type, lines and colours, and how a figure becomes a file.
+"""Style: colours and pages of all figures, and how a figure becomes a file.
 
-Everything is set on the figure itself or inside a context, so a program's own matplotlib settings
-stay untouched.  It knows nothing of robots.
+Lengths on a page are inches of a sheet 8 in wide.  A program's own matplotlib settings are neither
+read nor changed.
 """
 
 import functools
@@ -9,57 +9,34 @@ import io
 import os
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib.style
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
-from lutgen.plot.dark import darken
 from lutgen.plot.fonts import families, said_once
-from lutgen.plot.palette import GREY
-from lutgen.plot.sheet import SLIDE, sheet
+from lutgen.plot.sheet import resize, sheet
+from lutgen.plot.words import fit
 
 P = ParamSpec("P")
 
-RESOLUTION = 200
-# Of a line of text, times the size of its letters.
-LINE = 1.25
-SETTINGS: dict[str, Any] = {
-    "font.size": 7.5,
-    "mathtext.fontset": "dejavusans",
-    "axes.labelsize": 7.5,
-    "axes.titlesize": 7.5,
-    "axes.titlelocation": "left",
-    "axes.linewidth": 0.6,
-    "figure.titlesize": 7.5,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "grid.linewidth": 0.4,
-    "grid.color": "#b0b0b0",
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "lines.linewidth": 1.2,
-    "hatch.linewidth": 0.4,
-    "hatch.color": GREY,
-    "pdf.fonttype": 42,
-    "svg.hashsalt": "lutgen",
-    # Text that can be searched, read aloud and set in the font of a page.
-    "svg.fonttype": "none",
-}
-# The mark of our files (lutgen/files.py).  Dates would make two runs differ, and the program's name
-# two versions of matplotlib.
+HERE = Path(__file__).parent
+WIDTH, RESOLUTION = 8.0, 200
+# Dots of a slide over those of a page; larger PNG files (bytes) get a palette.
+SLIDE, LARGEST = 1.2, 250_000
+# The mark of our files (lutgen/files.py); dates and versions would make two runs differ.
 METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": "lutgen"},
     ".svg": {"Date": None, "Creator": "lutgen"},
@@ -67,47 +44,125 @@ METADATA: dict[str, dict[str, Any]] = {
 }
 
 
+@dataclass(frozen=True)
+class Colours:
+    """The colours of a sheet: paper and ink, accents, and the solids of a robot.
+
+    `blue` is what a figure is about, `red` where the robot tips over first.
+    """
+
+    paper: str = "#ffffff"
+    ink: str = "#1d2733"
+    soft: str = "#5c6975"
+    faint: str = "#d3d9e0"
+    blue: str = "#0072b2"
+    red: str = "#c8102e"
+    wash: str = "#eef1f4"
+    pale: str = "#c7e0ee"
+    body: str = "#c3cdd7"
+    track: str = "#8492a0"
+    slab: str = "#e3e8ed"
+    hatch: str = "#9aa5b1"
+    edge: str = "#1d2733"
+
+
+LIGHT = Colours()
+DARK = Colours(
+    *("#11161d", "#e6ebf1", "#9fabb8", "#37424f", "#56b4e9", "#ff6b5e", "#1c242e", "#203648"),
+    *("#8797a8", "#5c6b7a", "#26303b", "#566373", "#0a0d11"),
+)
+# What lies on a colour scale looks the same on both sheets.
+BLACK = "#111820"
+# One colour is one angle (deg) in all figures; 60 deg and more look alike.  Bright is good.
+TOP = 60.0
+ANGLES = colormaps["viridis"]
+FACTOR = ListedColormap(colormaps["magma_r"](np.linspace(0.03, 0.85, 256)), "magma_r, 3 to 85 %")
+
+
+def colours() -> Colours:
+    """Return the colours of the sheet that is drawn on."""
+    return DARK if sheet().style == "dark" else LIGHT
+
+
 def house_style() -> AbstractContextManager[None]:
-    """Apply the settings inside a with block, whatever the user's own are."""
-    return matplotlib.style.context(["default", {**SETTINGS, "font.family": families()}])
-
-
-def new_figure(size: tuple[float, float]) -> Figure:
-    """Return an empty figure, `size` in inches, that lays itself out."""
-    layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03)
-    figure = Figure(figsize=sheet().size_of(size), layout=layout, dpi=RESOLUTION)
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def head(figure: Figure, words: str) -> None:
-    """Write a title over a figure, which grows by the lines that it has more than two of."""
-    figure.suptitle(words, x=0.01, ha="left")
-    width, height = figure.get_size_inches()
-    more = max(words.count("\n") - 1, 0)
-    figure.set_size_inches(width, height + more * LINE * SETTINGS["figure.titlesize"] / 72.0)
+    """Apply the style sheets inside a with block, whatever the user's own settings are."""
+    sheets = [HERE / "light.mplstyle"]
+    sheets += [HERE / "dark.mplstyle"] if sheet().style == "dark" else []
+    own = {"font.family": families(), "hatch.color": colours().hatch}
+    return matplotlib.style.context(["default", *sheets, own])
 
 
 def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Make a function draw with the settings, and fix the layout of the figure that it returns."""
+    """Make a function draw in the style, and fix the layout and the size of its figure."""
 
     @functools.wraps(paint)
     def painted(*args: P.args, **kwargs: P.kwargs) -> Figure:
-        with house_style():
-            with said_once():
-                figure = paint(*args, **kwargs)
-                # The layout would move a little with every further drawing, and two savings too.
+        with house_style(), said_once():
+            figure = paint(*args, **kwargs)
+            if kwargs.get("ax") is None:
                 figure.draw_without_rendering()
-            figure.set_layout_engine("none")
-            if sheet().style == "dark":
-                darken(figure)
-            return figure
+                resize(figure)
+        return figure
 
     return painted
 
 
+def new_figure(size: tuple[float, float]) -> Figure:
+    """Return an empty figure, `size` in inches."""
+    figure = Figure(figsize=size, dpi=RESOLUTION)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def page(height: float, sentence: str, note: str) -> Figure:
+    """Return a figure with its answer in bold, and below it what is shown.
+
+    `height` (inches) is that of what is drawn; the page is as much higher as the words need.
+    """
+    figure, lines = new_figure((WIDTH, height)), []
+    title = figure.text(0.03, 1.0, sentence, size=15, weight="bold", va="top")
+    below = figure.text(
+        0.03, 1.0, note, size=10.5, va="top", color=colours().soft, linespacing=1.35
+    )
+    for text, longest in ((title, 66), (below, 104)):
+        fit(text, 0.94 * WIDTH, range(longest, 16, -6))
+        lines.append(text.get_text().count("\n") + 1)
+    first = 0.22 + 0.27 * lines[0]
+    whole = height + first + 0.21 * lines[1] + 0.14
+    figure.set_size_inches(WIDTH, whole)
+    title.set_y(1.0 - 0.20 / whole)
+    below.set_y(1.0 - first / whole)
+    return figure
+
+
+def place(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
+    """Return axes in a box of the page: left, bottom, width and height in inches."""
+    wide, high = figure.get_size_inches()
+    left, bottom, width, height = box
+    return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
+
+
+def bare(axes: Axes) -> Axes:
+    """Return axes without frame, in equal scales."""
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return axes
+
+
+def halo(width: float = 3.0, colour: Any = None) -> list[AbstractPathEffect]:
+    """Return what keeps words legible on lines."""
+    return [withStroke(linewidth=width, foreground=colour or colours().paper)]
+
+
+def ink_on(fill: Any) -> str:
+    """Return white or black, whichever is read better on a colour."""
+    # Of linear light; above it black has the higher contrast.
+    bright = np.asarray(fill)[:3] ** 2.2 @ [0.2126, 0.7152, 0.0722]
+    return "white" if float(bright) < 0.2 else BLACK
+
+
 def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) -> str:
-    """Return what a name ends in, in small letters; refuse what is not known."""
+    """Return the suffix of a name in small letters; refuse an unknown one."""
     suffix = Path(path).suffix.lower()
     *most, last = known
     if suffix not in (*most, last):
@@ -121,17 +176,22 @@ def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) 
 def save(
     figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION, force: bool = False
 ) -> None:
-    """Write a figure as PNG, SVG or PDF, whichever the path ends in.
+    """Write a figure as PNG, SVG or PDF, by the suffix of the path.
 
-    The same figure gives the same bytes; the file appears under its name only when it is whole.
-    A file that lutgen did not make is replaced with `force` only; InputError is raised otherwise.
+    The same figure gives the same bytes; the file appears under its name when it is whole.
+    InputError is raised for a file that lutgen did not make, unless `force` is set.
     """
-    target = Path(path)
-    suffix = known_suffix(target, "picture", METADATA)
-    picture = io.BytesIO()
+    suffix, picture = known_suffix(path, "picture", METADATA), io.BytesIO()
+    dpi = round(SLIDE * dpi) if sheet().style == "slides" else dpi
+    look: Any = {"pil_kwargs": {"optimize": True}} if suffix == ".png" else {}
     with house_style(), said_once():
-        if sheet().style == "slides":
-            dpi = round(SLIDE * dpi)
-        figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
+        figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix], **look)
+    if suffix == ".png" and picture.tell() > LARGEST:
+        whole, picture, mark = Image.open(picture).convert("RGB"), io.BytesIO(), PngInfo()
+        few = whole.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+        # White stays white.
+        few.putpalette([255 if part == 254 else part for part in few.getpalette() or []])
+        mark.add_text("Software", "lutgen")
+        few.save(picture, "PNG", optimize=True, pnginfo=mark)
     failed = "the picture cannot be written"
-    write_bytes(target, picture.getvalue(), failed=failed, force=force)
+    write_bytes(Path(path), picture.getvalue(), failed=failed, force=force)

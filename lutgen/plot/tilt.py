@@ -1,86 +1,53 @@
-"""Tilt charts: the largest tilt before tip-over in each heading, of one posture or of all.
-
-A colour is a thing: blue is body tilt, what an accelerometer in the robot sees, and purple ground
-tilt, the slope of the ground under a robot that rocks.  Solid is the limit in each heading, dashed
-what is guaranteed in all.  Beside them are the tilts at which friction or brakes give way.
-"""
+"""Tilt charts: how far a posture may be tilted in each heading, `limits` and `polar`."""
 
 import math
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.projections.polar import PolarAxes
-from numpy.typing import NDArray
+from matplotlib.patches import Circle, Polygon
+from scipy.ndimage import grey_closing
+from scipy.ndimage import label as connected
 
 from lutgen.analysis import (
     Posture,
     PostureLimits,
     SweepLimits,
     hold_limits,
-    level_frames,
     posture_limits,
     roll_limits,
     slide_limits,
     tilt_limits,
-    tilted,
 )
-from lutgen.plot.labels import HEADINGS, heading_text, limit_text, slide_label, title, with_unit
-from lutgen.plot.legend import add_legend
-from lutgen.plot.marks import (
-    CENTRED,
-    HALO,
-    HATCHED,
-    SLIDE_DASHES,
-    rock_patch,
-    shade_rocking,
-    tip_patch,
-)
-from lutgen.plot.palette import BLUE, GREEN, GREY, ORANGE, PURPLE
-from lutgen.plot.style import head, in_house_style, new_figure
+from lutgen.plot import disc
+from lutgen.plot.labels import HEADINGS, angle, named
+from lutgen.plot.style import bare, colours, halo, in_house_style, page, place
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
-Look = dict[str, Any]
+# Headings (deg) and tilts (deg) of a limit.
+Line = tuple[Floats, Floats]
 
-SIZE = (3.5, 4.1)
-# Headings around the circle (rad), the first at both ends: every half degree.
-SAMPLES = 720
-AROUND = np.radians(np.arange(SAMPLES + 1) * (360.0 / SAMPLES))
-# Headings at which rolling is judged: every fifth degree, so that sideways is among them.
-ROLL_HEADINGS = 73
-# The mesh on which rocking is looked for; its headings are some of AROUND.
-TILTS, HEADING_COUNT = 241, 361
-DOWN = (0.0, 0.0, -1.0)
-FROM = {"plane": "tilt from level ground", "body": "tilt from a level body"}
-BODY: Look = {"color": BLUE, "linewidth": 1.8, "zorder": 4}
-GROUND: Look = {"color": PURPLE, "linewidth": 1.0, "zorder": 4.2}
-GUARANTEED: Look = {"linestyle": (0, (4, 2)), "linewidth": 1.0}
-SLIDES: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES, "linewidth": 1.2}
-BEST: Look = {"color": GREEN, "linewidth": 1.0}
-LEAST: Look = {"color": GREEN, "linewidth": 1.0, "linestyle": (0, (3, 1, 1, 1))}
+# Deg: headings of the outline.  A gap in it narrower than CRACK is drawn as a tick.
+FINE, CRACK, DEEP = 0.05, 2.0, 1.0
+AROUND = np.arange(0.0, 360.0, FINE)
+# Every fifth degree, so that sideways is among them.
+COARSE = np.linspace(0.0, 360.0, 73)
+BOX = (0.75, 0.2, 6.5, 6.4)
+FROM = {"plane": "where it stands on level ground", "body": "a level body"}
+# Where lines are named: headings away from the worst one.
+BESIDE = (180.0, 0.0, 125.0, 235.0, 55.0, 305.0)
 
 
 def draw_polar(view: View) -> Figure:
-    """Return the figure; its outline holds heading (rad) and largest body tilt (deg)."""
+    """Return the figure of tilts from a level body, with the tilts at which wheels roll away."""
     posture = Posture(view.recipe, view.params)
     found = posture_limits(posture, "body")
-    outline = np.degrees(tilt_limits(view.recipe, view.params, AROUND))
-    words = title(view, gravity=False, more=FROM["body"])
-    axes = _polar_axes(words, outline, _ground(found), outline)
-    _hatch(axes, outline)
-    rocks = _rocking(axes, view, "body", outline)
-    _outlines(axes, found, outline)
-    if view.recipe.friction is not None:
-        slides = np.degrees(slide_limits(posture, AROUND))
-        # Where the robot has not tipped before.
-        slides = np.where(slides < outline, slides, np.nan)
-        if np.isfinite(slides).any():
-            axes.plot(AROUND, slides, label=slide_label(view.recipe), **SLIDES)
-    _roll_limit(axes, posture)
-    return _with_legend(axes, "tips over (body tilt)", rocks)
+    figure, axes = view.page(6.6, BOX, *_words(view.recipe, found))
+    _Chart(axes, view.recipe, found).draw(_sliding(view.recipe, found) | _rolling(posture))
+    return figure
 
 
 @in_house_style
@@ -91,17 +58,16 @@ def draw_limits(
     *,
     worst: bool = True,
 ) -> Figure:
-    """Draw the largest tilt before tip-over in each heading: body tilt, and ground tilt.
+    """Draw the largest tilt of the body before it tips over in each heading.
 
     Parameters
     ----------
     recipe : Recipe
         The robot.
     posture : PostureLimits
-        Of one posture, for body tilt and for ground tilt: its outline, its worst heading, and the
-        circle that holds in all headings; and from where on it slides.
+        Of one posture: its outline, its worst heading, and from where on it slides.
     swept : SweepLimits, optional
-        Body tilt of all postures: the best of them in each heading, and with `worst` the worst.
+        Of all postures: the best of them in each heading, and with `worst` the worst.
     worst : bool
         See `swept`.
 
@@ -109,158 +75,168 @@ def draw_limits(
     -------
     matplotlib.figure.Figure
     """
-    outline = np.degrees(tilt_limits(recipe, posture.params, AROUND, posture.convention))
-    view = View("polar", recipe, None, posture.params, np.array(DOWN), "tip_angle", ())
-    heading = title(view, gravity=False, more=FROM[posture.convention])
-    most = outline if swept is None else np.append(outline, np.degrees(swept.most))
-    axes = _polar_axes(heading, outline, _ground(posture), most)
-    _hatch(axes, outline if swept is None else _sweep(axes, swept, outline, worst))
-    rocks = _rocking(axes, view, posture.convention, outline)
-    _outlines(axes, posture, outline)
-    if recipe.friction is not None:
-        top = axes.get_rmax()
-        slides = slide_limits(
-            Posture(recipe, posture.params), AROUND, posture.convention, math.radians(top)
-        )
-        within = np.nan_to_num(np.degrees(slides), nan=top)
-        if within.min() < top:
-            axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
-    tips = "tips over (body tilt)" if swept is None else "tips over in every posture"
-    return _with_legend(axes, tips, rocks)
+    figure = page(6.6, *_words(recipe, posture))
+    lines = _sliding(recipe, posture)
+    if swept is not None:
+        lines["best posture"] = (np.degrees(swept.headings), np.degrees(swept.most))
+        if worst:
+            lines["worst posture"] = (np.degrees(swept.headings), np.degrees(swept.least))
+    _Chart(place(figure, BOX), recipe, posture).draw(lines)
+    return figure
 
 
-def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) -> Floats:
-    """Draw the best posture in each heading, and the worst; return the tilts no posture passes."""
-    most, least = (
-        np.degrees(np.interp(AROUND, swept.headings, tilts, period=2.0 * math.pi))
-        for tilts in (swept.most, swept.least)
-    )
-    if worst:
-        axes.fill_between(AROUND, least, most, facecolor=GREEN, alpha=0.1, linewidth=0.0)
-        axes.plot(AROUND, least, label="worst posture per heading", **LEAST)
-    axes.plot(AROUND, most, label="best posture per heading", **BEST)
-    return np.asarray(np.maximum(most, outline))
+def _words(recipe: Recipe, found: PostureLimits) -> tuple[str, str]:
+    """Return the answer, and what is shown."""
+    least = math.degrees(found.worst.tilt)
+    sentence = f"Leans at least {angle(least)} in any direction before it tips over"
+    sentence = "It never tips over" if least > 179.99 else sentence
+    sentence = sentence if found.stands else "It tips over where nobody tilts it"
+    start = f"tilted from {FROM[found.convention]}; nose at the top."
+    return sentence, f"{named(recipe, found.params)}\nThe further out, the more it is {start}"
 
 
-def _polar_axes(words: str, outline: Floats, ground: Floats, drawn: Floats) -> PolarAxes:
-    """Return axes of heading (rad, the nose up) and tilt (deg) with room for what is `drawn`.
+def _sliding(recipe: Recipe, found: PostureLimits) -> dict[str, Line]:
+    """Return the tilts at which friction gives way."""
+    if recipe.friction is None:
+        return {}
+    posture, around = Posture(recipe, found.params), AROUND[::10]
+    slides = np.degrees(slide_limits(posture, np.radians(around), found.convention))
+    least = float(np.nanmin(slides)) if np.isfinite(slides).any() else math.inf
+    tips = np.degrees(tilt_limits(recipe, found.params, np.radians(around), found.convention))
+    first = slides < tips
+    slides = np.where(first, slides, np.nan)
+    return {f"slides at {angle(least)}": (around, slides)} if first.any() else {}
 
-    In a new figure with that title.  Around them are the names of the `HEADINGS`, with the tilts
-    (deg) of both outlines in those, or one number where they are the same.
+
+def _rolling(posture: Posture) -> dict[str, Line]:
+    """Return the tilts at which contacts that roll give way, if the robot has any.
+
+    A second line is where it ceases to hold under every load, if that is earlier.  Under forces
+    nothing is known of rolling.
     """
-    figure = new_figure(SIZE)
-    head(figure, words)
-    axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
-    axes.set_theta_zero_location("N")
-    highest = max(float(drawn.max()), float(ground.max()))
-    top = min(15.0 * math.ceil((highest + 5.0) / 15.0), 180.0)
-    axes.set_ylim(0.0, top)
-    step = 15.0 if top <= 90.0 else 30.0
-    rings = np.arange(step, top, step)
-    axes.set_rgrids(rings, labels=[])
-    axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
-    for degrees, name in HEADINGS.items():
-        body, slope = (limit_text(float(of[degrees * SAMPLES // 360])) for of in (outline, ground))
-        tilts = body if body == slope else f"body {body}, ground {slope}"
-        turn = {90: 90, 270: -90}.get(degrees, 0)
-        axes.text(math.radians(degrees), 1.08 * top, f"{name}: {tilts}", rotation=turn, **CENTRED)
-    look: Look = {"fontsize": 6, "path_effects": HALO, "zorder": 6, **CENTRED}
-    for ring in rings:
-        axes.text(math.radians(45.0), ring, with_unit(ring, "deg"), **look)
-    return axes
-
-
-def _hatch(axes: PolarAxes, edge: Floats) -> None:
-    """Hatch the tilts (deg) beyond an edge."""
-    axes.fill_between(AROUND, edge, axes.get_rmax(), linewidth=0.0, **HATCHED)
-
-
-def _rocking(axes: PolarAxes, view: View, convention: str, outline: Floats) -> list[Artist]:
-    """Hatch the tilts at which the robot rocks between rests, up to the outline (deg).
-
-    Returns the handle for the legend; none where it rocks nowhere.
-    """
-    tilts = np.radians(np.linspace(0.0, axes.get_rmax(), TILTS))
-    around = AROUND[:: SAMPLES // (HEADING_COUNT - 1)]
-    tilt, heading = np.meshgrid(tilts, around, indexing="ij")
-    frame = level_frames(view.recipe, view.params[None], convention)[0]
-    rocks = view.rocks(tilted(tilt.ravel(), heading.ravel()) @ frame.T).reshape(tilt.shape)
-    # What lies beyond the first tilt at which it tips belongs to what is hatched as that.
-    rocks &= tilt <= np.radians(outline[:: SAMPLES // (HEADING_COUNT - 1)])
-    return (
-        [rock_patch(GREY)] if shade_rocking(axes, (heading, np.degrees(tilt)), rocks, GREY) else []
-    )
-
-
-def _ground(found: PostureLimits) -> Floats:
-    """Return the outline of ground tilt, deg."""
-    return np.asarray(np.degrees(found.ground.limits(AROUND)))
-
-
-def _outlines(axes: PolarAxes, found: PostureLimits, outline: Floats) -> None:
-    """Draw body tilt (deg) and ground tilt: their outlines, what is guaranteed, the worst."""
-    rubs = "not included" if found.slide is None else "included"
-    if found.slide is not None and found.rolls:
-        rubs = "included, rolling not"
-    named = (
-        ("body tilt", BODY, outline, found.guaranteed, "not included"),
-        ("ground tilt", GROUND, _ground(found), found.guaranteed_ground, rubs),
-    )
-    worst = {
-        "body tilt": (found.worst.heading, found.worst.tilt),
-        "ground tilt": (found.ground.worst, found.ground.least),
-    }
-    for name, look, tilts, guaranteed, sliding in named:
-        axes.plot(AROUND, tilts, label=name, **look)
-        least = math.degrees(guaranteed)
-        label = f"{name}, guaranteed: {limit_text(least)}\nsliding {sliding}"
-        axes.plot(AROUND, np.full(len(AROUND), least), label=label, **look | GUARANTEED)
-        heading, tilt = worst[name]
-        if not math.isnan(heading):
-            dot: Look = {"markersize": 5, "markeredgecolor": "white", "color": look["color"]}
-            label = f"worst: {heading_text(math.degrees(heading))}"
-            axes.plot([heading], [math.degrees(tilt)], "o", label=label, zorder=5, **dot)
-
-
-def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
-    """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll.
-
-    A fainter line is where it ceases to hold under every load, if that is earlier.  Not under
-    forces: what rolls is known of the weight alone.
-    """
+    lines: dict[str, Line] = {}
     rolling = any(contact.rolling for contact in posture.recipe.contacts)
     if not rolling or posture.recipe.has_wrench:
-        return
-    headings = np.radians(np.linspace(0.0, 360.0, ROLL_HEADINGS))
-    limit = np.degrees(roll_limits(posture, headings))
-    # A limit of nothing lies in the middle, where no line can be seen.
-    label = "rolls away" if np.nanmax(limit, initial=0.0) > 0.1 else "rolls on any slope"
+        return lines
+    limit, sure = (np.degrees(f(posture, np.radians(COARSE))) for f in (roll_limits, hold_limits))
     if np.isfinite(limit).any():
-        axes.plot(headings, limit, color=GREEN, linestyle=(0, (1, 1)), label=label)
-    sure = np.degrees(hold_limits(posture, headings))
+        name = "rolls away" if np.nanmax(limit) > 0.1 else "rolls on any slope"
+        lines[name] = (COARSE, limit)
     if np.isfinite(sure).any() and not np.allclose(sure, limit, atol=0.1, equal_nan=True):
-        look: Look = {"color": GREEN, "linestyle": (0, (1, 3)), "linewidth": 1.0}
-        axes.plot(headings, sure, label="holds for certain within", **look)
+        lines["may roll away"] = (COARSE, sure)
+    return lines
 
 
-def _with_legend(axes: PolarAxes, tips: str, rocks: list[Artist]) -> Figure:
-    """Return the figure of the axes, its legend below them."""
-    handles, labels = axes.get_legend_handles_labels()
-    # Body tilt stands on the left with its guarantee and its worst heading, ground tilt on the
-    # right, and the others below both.
-    first, second = labels.index("body tilt"), labels.index("ground tilt")
-    # A robot that tips at once has no worst heading.
-    third = second + 2 + any(label.startswith("worst:") for label in labels[second + 2 :])
-    others = [tip_patch(tips), *rocks, *handles[:first], *handles[third:]]
-    left = max(math.ceil((len(handles) + 1 + len(rocks)) / 2) - (second - first), 0)
-    columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
-    handles = [handle for part in columns for handle in part]
-    figure = cast("Figure", axes.figure)
-    narrow: Look = {
-        "columnspacing": 0.8,
-        "handlelength": 1.4,
-        "handletextpad": 0.5,
-        "borderpad": 0.0,
-    }
-    add_legend(figure, handles, **narrow)
-    return figure
+class _Chart:
+    """A disc of tilts: `exact` (deg) is the limit in each heading, `most` without its gaps."""
+
+    def __init__(self, axes: Axes, recipe: Recipe, found: PostureLimits) -> None:
+        self.axes, self.recipe, self.found = bare(axes), recipe, found
+        limit = tilt_limits(recipe, found.params, np.radians(AROUND), found.convention)
+        self.exact = np.degrees(limit)
+        self.most = grey_closing(self.exact, int(CRACK / FINE), mode="wrap")
+        self.rim = 90.0 if self.exact.max() <= 90.0 else 180.0
+        self.least = math.degrees(found.worst.tilt)
+        self.heading = math.degrees(found.worst.heading) % 360.0
+        self.names: list[Floats] = []
+
+    def at(self, heading: Any, tilt: Any) -> Floats:
+        """Return places (2, n) of tilts (deg)."""
+        return disc.at(heading, np.minimum(np.asarray(tilt) / self.rim, 1.0))
+
+    def draw(self, lines: dict[str, Line]) -> None:
+        """Draw everything; `lines` are other limits by what they are called."""
+        axes, look = self.axes, colours()
+        axes.add_patch(Circle((0, 0), 1.0, facecolor=look.wash, edgecolor="none", zorder=0))
+        rim = Circle((0, 0), 1.0, fill=False, edgecolor=look.hatch, linewidth=0.8)
+        axes.add_patch(rim).set(hatch="//", zorder=0.5)
+        edge = self.at(AROUND, self.most)
+        axes.add_patch(Polygon(edge.T, facecolor=look.pale, edgecolor="none", zorder=1.1))
+        axes.plot(*np.append(edge, edge[:, :1], 1), color=look.blue, label="tips over", zorder=4)
+        disc.ruler(axes, lambda tilt, rim: tilt / rim, self.rim)
+        self._ticks()
+        disc.top_view(axes, self.recipe, self.found.params, 0.21)
+        spots = [h for h in BESIDE if _apart(h, self.heading) > 40.0]
+        inner = [self._line(name, lines[name], h) for name, h in zip(lines, spots, strict=False)]
+        self._name_worst()
+        x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 300),) * 2)
+        psi, radius = np.degrees(np.arctan2(-x, y)) % 360.0, np.hypot(x, y)
+        limit = np.interp(psi, AROUND, self.exact / self.rim, period=360.0)
+        core = np.interp(psi, AROUND, np.max([np.full(len(AROUND), 0.25), *inner], 0), period=360.0)
+        clear = (radius < limit) & (radius > core) & (_apart(psi, self.heading) > 25.0)
+        for spot in self.names:
+            clear &= np.hypot((x - spot[0]) / 2.0, y - spot[1]) > 0.09
+        disc.write_in(axes, clear, "stands", look.pale, look.blue)
+        disc.write_in(
+            axes, (radius < 1.0) & (radius > limit) & (radius > 0.25), "tips over", look.wash
+        )
+        for heading, name in HEADINGS.items():
+            near = bool(_apart(heading, self.heading) < 8.0)
+            tilt = self.least if near else float(self.exact[round(heading / FINE)])
+            self._beside(heading, name, angle(tilt), near)
+
+    def _ticks(self) -> None:
+        """Draw a tick where the robot tips over earlier in a gap too narrow to be seen."""
+        groups, count = connected(self.most - self.exact > DEEP)
+        look: dict[str, Any] = {"color": colours().blue, "linewidth": 1.2, "zorder": 4}
+        for k in range(1, count + 1):
+            spot = np.flatnonzero(groups == k)
+            deep = int(spot[np.argmin(self.exact[spot])])
+            ends = self.at([AROUND[deep]] * 2, [self.most[deep], self.exact[deep]])
+            self.axes.plot(*ends, **look)
+        if count:
+            self.axes.plot([-1.27, -1.21], [disc.RULER] * 2, **look)
+            text = self.axes.text(-1.18, disc.RULER, "narrow gap: it\ntips over earlier", size=9.5)
+            text.set(color=colours().soft, va="center", linespacing=1.2)
+
+    def _line(self, name: str, line: Line, h: float) -> Floats:
+        """Draw a limit, named at heading `h`; return where it is (in radii) on `AROUND`."""
+        headings, tilts = line
+        x, y = self.at(np.append(headings, headings[0]), np.append(tilts, tilts[0]))
+        self.axes.plot(x, y, label=name, color=colours().ink, lw=1.3, ls=(0, (1.2, 2.2)), zorder=5)
+        known = np.isfinite(tilts)
+        whole = np.interp(AROUND, headings[known], tilts[known], period=360.0) / self.rim
+        radius = float(np.interp(h, AROUND, whole))
+        below = radius > 0.42
+        spot = disc.at(h, max(radius - 0.05 if below else radius + 0.05, 0.3))
+        va = "top" if (spot[1] > 0.0) == below else "bottom"
+        self.names.append(spot)
+        text = self.axes.text(spot[0], spot[1], name, size=10, ha="center", va=va, zorder=7)
+        text.set_path_effects(halo(3.0, colours().pale))
+        return np.asarray(np.where(whole < self.most / self.rim, whole, 0.0))
+
+    def _name_worst(self) -> None:
+        """Draw an arrow to the worst heading, and its angle unless a heading's name has it."""
+        if not math.isfinite(self.heading) or self.least < 0.3 * self.rim:
+            return
+        shaft: dict[str, Any] = {
+            "arrowstyle": "-|>,head_width=0.3,head_length=0.6",
+            "color": colours().red,
+        }
+        shaft |= {"linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
+        stop, start = self.at(self.heading, self.least), disc.at(self.heading, 0.235)
+        self.axes.annotate("", tuple(stop), tuple(start), arrowprops=shaft, zorder=6)
+        if min(_apart(h, self.heading) for h in HEADINGS) >= 8.0:
+            x, y = disc.at(self.heading + 24.0, max(0.75 * self.least / self.rim, 0.36))
+            text = self.axes.text(x, y, f"worst\n{angle(self.least)}", color=colours().red)
+            text.set(ha="center", va="center", zorder=7, path_effects=halo(3.0, colours().pale))
+            text.set(weight="bold", size=12)
+
+    def _beside(self, heading: float, name: str, number: str, worst: bool) -> None:
+        """Write a heading and its limit around the disc, the worst one in red."""
+        x, y = disc.at(heading, 1.05)
+        colour = colours().red if worst else colours().ink
+        bold: dict[str, Any] = {"size": 17 if worst else 13, "weight": "bold", "color": colour}
+        if abs(x) < 0.3:
+            va = "bottom" if y > 0 else "top"
+            self.axes.text(x - 0.02, y, name, ha="right", va=va, color=colour)
+            self.axes.text(x + 0.02, y, number, ha="left", va=va, **bold)
+            return
+        ha, words = "left" if x > 0 else "right", name.replace(" side", "\nside")
+        self.axes.text(x, y + 0.015, words, ha=ha, va="bottom", color=colour, linespacing=1.2)
+        self.axes.text(x, y - 0.005, number, ha=ha, va="top", **bold)
+
+
+def _apart(one: Any, other: float) -> Any:
+    """Return the angle between headings, deg; 180 if there is no other."""
+    return np.nan_to_num(np.abs((one - other + 180.0) % 360.0 - 180.0), nan=180.0)

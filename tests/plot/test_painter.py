@@ -1,0 +1,101 @@
+"""Solids are painted in the order in which they are seen, and look like the robot."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import lutgen
+from lutgen.plot.painter import Camera, Solid, box, frame_of, from_the_back
+from lutgen.plot.solids import solids_of
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import contact, rigid
+
+UP = np.eye(3)
+
+
+def depth_along(solid: Solid, start: np.ndarray, look: np.ndarray) -> float:
+    """Return how near to the eye a ray meets a solid, -inf if it does not; by its half spaces."""
+    along = solid.normals @ look
+    reach = solid.offsets - solid.normals @ start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = reach / along
+    if (reach[np.abs(along) < 1e-12] < 0.0).any():
+        return -np.inf
+    low = at[along < -1e-12].max(initial=-np.inf)
+    high = at[along > 1e-12].min(initial=np.inf)
+    return float(high) if low < high else -np.inf
+
+
+def test_of_two_solids_the_nearer_one_is_painted_later() -> None:
+    rng = np.random.default_rng(8)
+    compared = 0
+    for _ in range(25):
+        solids = []
+        for cell in rng.permutation(27)[:8]:
+            # Apart: each in its own cell of a grid, turned at random.
+            at = np.array([cell % 3, cell // 3 % 3, cell // 9]) * 2.0
+            turn = Rotation.random(random_state=rng).as_matrix()
+            size = rng.uniform(0.2, 0.55, 3)
+            solids.append(box(-size, size, "#808080", turn, at))
+        camera = Camera(rng.uniform(0, 360), rng.uniform(-80, 80), UP)
+        order = {id(solid): n for n, solid in enumerate(from_the_back(solids, camera))}
+        points = np.concatenate([solid.points for solid in solids])
+        for start in rng.uniform(points.min(0), points.max(0), (800, 3)):
+            met = [(depth_along(s, start, camera.look), order[id(s)]) for s in solids]
+            met = sorted(one for one in met if np.isfinite(one[0]))
+            assert [n for _, n in met] == sorted(n for _, n in met)
+            compared += len(met) > 1
+    assert compared > 150
+
+
+@pytest.mark.parametrize("gravity", [[0, 0, -1], [0.6, 0, -0.8], [-0.3, 0.5, -0.81], [1, 0, 0]])
+def test_gravity_points_down_the_page_and_the_nose_ahead(gravity: list[float]) -> None:
+    down = np.array(gravity) / np.linalg.norm(gravity)
+    turn = frame_of(-down)
+    # A few products of unit vectors.
+    np.testing.assert_allclose(turn @ down, [0.0, 0.0, -1.0], atol=1e-12)
+    np.testing.assert_allclose(turn @ turn.T, UP, atol=1e-12)
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+    assert abs((turn @ UP[0])[1]) < 1e-12
+
+
+def test_a_wheel_is_as_wide_as_it_says_and_lies_inwards_of_its_rim() -> None:
+    wheels = "".join(
+        contact(f"w{i}", (x, y, -0.3), 0.1, (0.0, 1.0, 0.0)) + "width = 0.25\n"
+        for i, (x, y) in enumerate([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)])
+    )
+    solids = solids_of(lutgen.parse_recipe(rigid(wheels)), [])
+    assert len(solids) == 5  # and the box between them
+    for solid in solids[:4]:
+        near, far = np.abs(solid.points[:, 1]).max(), np.abs(solid.points[:, 1]).min()
+        assert (near, far) == (pytest.approx(0.4), pytest.approx(0.15))
+
+
+def test_discs_of_one_belt_are_one_track_and_a_shape_is_a_box() -> None:
+    belts = "".join(
+        contact(f"w{i}", (x, y, -0.3), 0.1, (0.0, 1.0, 0.0)) + f'belt = "{side}"\n'
+        for i, (x, y, side) in enumerate(
+            [(0.5, 0.4, "left"), (-0.5, 0.4, "left"), (0.5, -0.4, "r"), (-0.5, -0.4, "r")]
+        )
+    )
+    link = '[[robot.link]]\nname = "body"\nmass = 9.0\ncom = [0, 0, 0.2]\nshape = [0.8, 0.4, 0.3]\n'
+    solids = solids_of(lutgen.parse_recipe(rigid(link + belts)), [])
+    spans = sorted(np.ptp(solid.points, axis=0).round(6).tolist() for solid in solids)
+    assert spans[0] == [0.8, 0.4, 0.3]
+    # From rim to rim: 1 m apart, and two radii of 0.1.
+    assert [span[0] for span in spans[1:]] == [pytest.approx(1.2, abs=1e-3)] * 2
+
+
+@pytest.mark.parametrize("name", [path.stem for path in sorted(MAPS.glob("*.toml"))])
+def test_every_robot_of_the_gallery_has_solids_at_its_contacts(name: str) -> None:
+    recipe = lutgen.load_recipe(MAPS / f"{name}.toml")
+    middle = np.array([(p.minimum + p.maximum) / 2.0 for p in recipe.parameters])
+    solids = solids_of(recipe, middle)
+    contacts, _ = lutgen.postures(recipe, middle[None])
+    points = np.concatenate([solid.points for solid in solids])
+    radii = np.array([c.radius for c in recipe.contacts])
+    for place, radius in zip(contacts[0], radii, strict=True):
+        # A tube ends 0.035 sizes beside the point of a foot, a rim has 48 corners.
+        away = np.linalg.norm(points - place, axis=1).min()
+        assert away < 1.01 * radius + 0.05 * np.ptp(points)
+    assert all(np.isfinite(solid.normals).all() for solid in solids)
