@@ -37,7 +37,7 @@ from tests.fixtures.recipes import contact, rigid
 
 Floats = NDArray[np.float64]
 
-LEFT, RIGHT = math.pi / 2.0, -math.pi / 2.0
+LEFT = math.pi / 2.0
 # Front left, front right, rear left, rear right; the com half a metre above the ground.
 PLACES = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
 FRONT, REAR, ALL = (0, 1), (2, 3), (0, 1, 2, 3)
@@ -106,12 +106,10 @@ def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
     # The rear right wheel is braked and the others are balls: gravity has an arm about it.
     caster = parsed((0, 1, 2), None, ball=(0, 1, 2))
     assert rolls(Posture(caster, []), tilted(0.2, [0.0, LEFT, 1.0])).all()
-    # Straight from the brake to the com there is no arm.
     away = math.atan2(0.4, 0.5)
     assert not rolls(Posture(caster, []), tilted(0.2, [away, away + math.pi])).any()
     assert rolls(Posture(caster, []), tilted(0.2, [away + 1e-3])).all()
-    on_balls = Posture(parsed(ALL, 0.9, ball=ALL), [])
-    assert rolls(on_balls, tilted(1e-3, np.linspace(0.0, 6.0, 30))).all()
+    assert rolls(Posture(parsed(ALL, 0.9, ball=ALL), []), tilted(1e-3, [0.0, 2.0, 4.0])).all()
 
 
 def by_forces(posture: Posture, direction: Floats, load: Floats | None = None) -> float:
@@ -230,7 +228,6 @@ def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_car
     assert may_hold(six(ENDS), ahead(0.02, limit - 1e-7, limit + 1e-7)).tolist() == [1, 1, 0]
     assert rolls(six(ENDS), ahead(0.02, limit - 1e-7, limit + 1e-7)).tolist() == [0, 0, 1]
     assert not holds(six(ENDS), ahead(0.02)).any()
-    # 1e-7 deg is how far a limit is halved.
     assert roll_limits(six(ENDS), [0.0]) == pytest.approx([math.atan(limit)], abs=2e-8)
     assert hold_limits(six(ENDS), [0.0])[0] < 2e-8
 
