@@ -109,17 +109,16 @@ class Plane:
             steep = np.ptp(corners, axis=0) > DRAWN * self.degree
         stands = self._stands(corners)
         steep |= stands.any(axis=0) & ~stands.all(axis=0)
-        wide, jumps = cut | steep, cut.copy()
+        jumps = cut.copy()
         for axis in (0, 1):
             for move in (-1, 1):
-                wide |= np.roll(cut | steep, move, axis)
                 jumps |= np.roll(cut, move, axis)
         ny, nx = self.values.shape
         self.fx = np.linspace(self.x[0], self.x[-1], (nx - 1) * FINER + 1)
         self.fy = np.linspace(self.y[0], self.y[-1], (ny - 1) * FINER + 1)
         rows = np.array([np.interp(self.fx, self.x, row) for row in self.values])
         self.big = np.array([np.interp(self.fy, self.y, column) for column in rows.T]).T
-        full, self.cut = _finer(wide, self.big.shape), _finer(jumps, self.big.shape)
+        full, self.cut = _finer(jumps | steep, self.big.shape), _finer(jumps, self.big.shape)
         gx, gy = np.meshgrid(self.fx, self.fy)
         self.big[full] = self.read(gx[full], gy[full])
         self.tips = ~self._stands(self.big) & (self.big != 0.0)
