@@ -45,6 +45,8 @@ ONE_CORNER = 100.0
 ROW = 10.0
 # A direction to begin with that no robot is built along.
 SKEW = (0.0123, -0.0271, -0.9996)
+Ends = tuple[int, int]
+Start = tuple[int, Vector, Vector]
 
 
 @njit(bare=True)
@@ -71,12 +73,15 @@ def _all_touching(primitives: Floats, region: Region, normal: Vector, i: int, sa
 
 
 @njit(bare=True)
-def _widest_plane(primitives: Floats, mask: int, normal: Vector, i: int) -> tuple[Vector, bool]:
+def _widest_plane(
+    primitives: Floats, mask: int, normal: Vector, i: int, same: float
+) -> tuple[Vector, bool]:
     """Return the plane on the widest triangle of those that touch one, from i on."""
     origin = support_contact(primitives, i, normal)
     pair, side = (-1, -1), (0.0, 0.0, 0.0)
     for turn in range(2):
-        most = 0.0
+        # What is in a row makes no plane.
+        most = ROW * same * length(side)
         for k in range(primitives.shape[0]):
             if has_bit(mask, k) and k != i:
                 arm = subtract(support_contact(primitives, k, normal), origin)
@@ -158,7 +163,7 @@ def _add_contacts(primitives: Floats, region: Region, f: int, mask: int, same: f
     mask |= facet.mask
     i = region.edge[first].primitive
     for _ in range(GATHERS):
-        better, good = _widest_plane(primitives, mask, normal, i)
+        better, good = _widest_plane(primitives, mask, normal, i, same)
         normal = better if good else normal
         # What is below the new plane is in it, too.
         mask |= _all_touching(primitives, region, normal, i, same)
@@ -196,7 +201,7 @@ def facet_at(
     facet, count = region.facet, region.counts
     mask = _all_touching(primitives, region, normal, i, same)
     if _bits(mask) > 3:
-        better, good = _widest_plane(primitives, mask, normal, i)
+        better, good = _widest_plane(primitives, mask, normal, i, same)
         if good:
             normal = better
             mask = _all_touching(primitives, region, normal, i, same)
@@ -231,6 +236,54 @@ def _leave_old_edges_out(region: Region) -> None:
 
 
 @njit(bare=True)
+def _ends_of_row(primitives: Floats, mask: int, normal: Vector, along_row: Vector) -> Ends:
+    """Return the first and the last of the contacts in `mask` along a direction."""
+    first, last, least, most = -1, -1, math.inf, -math.inf
+    for k in range(primitives.shape[0]):
+        if has_bit(mask, k):
+            place = dot(support_contact(primitives, k, normal), along_row)
+            if place < least:
+                first, least = k, place
+            if place > most:
+                last, most = k, place
+    return first, last
+
+
+@njit(bare=True)
+def _roll_over(
+    primitives: Floats, region: Region, pair: Ends, start: Start, limits: tuple[float, float]
+) -> tuple[int, bool, Ends]:
+    """Roll a plane over a pair of contacts; return the facet beyond, and whether it has grown.
+
+    `start`: the bits of what touches, the plane's normal, and the direction to which it is tilted.
+    A contact that comes into the row of the pair makes no facet: on the ends of the row the plane
+    rolls on.  -1 if there is no facet; and the pair over which the plane came.
+    """
+    (mask, normal, ahead), same = start, limits[1]
+    beyond, grown, before = -1, False, normal
+    for _ in range(primitives.shape[0]):
+        to, found = tilt(primitives, region.contacts, pair, mask, normal, ahead, limits)
+        if to < 0:
+            break
+        beyond, grown = facet_at(primitives, region, found, pair[0], same)
+        if beyond >= 0:
+            break
+        normal = found
+        arm = subtract(
+            support_contact(primitives, pair[1], normal),
+            support_contact(primitives, pair[0], normal),
+        )
+        mask = _all_touching(primitives, region, normal, pair[0], same) | 1 << to
+        pair = _ends_of_row(primitives, mask, normal, arm)
+        turned = unit(cross(arm, normal))
+        ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
+        fill_contacts(primitives, normal, region.contacts[0])
+    if normal != before:
+        fill_contacts(primitives, before, region.contacts[0])
+    return beyond, grown, pair
+
+
+@njit(bare=True)
 def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> None:
     """Find a first facet: lower a skew plane, and tilt it onto a second and a third primitive."""
     same = limits[1]
@@ -256,10 +309,8 @@ def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> N
     for _ in range(2):
         fill_contacts(primitives, level, contacts[0])
         mask = touching(contacts[0], primitives.shape[0], ALL, level, i, same)
-        to, found = tilt(primitives, contacts, (i, j), mask, level, ahead, limits)
+        _roll_over(primitives, region, (i, j), (mask, level, ahead), limits)
         ahead = scale(ahead, -1.0)
-        if to >= 0:
-            facet_at(primitives, region, found, i, same)
 
 
 @njit(bare=True)
@@ -309,17 +360,15 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
             i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
             start, stop = ends_of(region, e)
             ahead = unit(cross(subtract(stop, start), normal))
-            to, found = tilt(primitives, contacts, (i, j), facet[f].mask, normal, ahead, limits)
-            if to < 0:
-                continue
-            beyond, grown = facet_at(primitives, region, found, i, same)
+            begin = (facet[f].mask, normal, ahead)
+            beyond, grown, pair = _roll_over(primitives, region, (i, j), begin, limits)
             if grown and (beyond <= f or facet[f].count == 0):
                 # Its edges are new: go back to it, or on if this one is part of it now.
                 f = min(f, beyond - 1)
                 break
             if beyond < 0 or beyond == f:
                 continue
-            twin = _edge_between(primitives, region, beyond, j, i, same)
+            twin = _edge_between(primitives, region, beyond, pair[1], pair[0], same)
             if twin >= 0 and edge[twin].twin < 0:
                 edge[e].twin, edge[twin].twin = twin, e
         f += 1

@@ -177,6 +177,7 @@ def tilt(
         # The arc's radius is the distance of the contacts over that of the rim.
         apart = subtract(row(contacts[0], i), row(contacts[0], j))
         step = max(min(step, 0.5 * length(apart) / radius), SHORTEST)
+    longest, skipped = step, -1
     here, there, spare = contacts[0], contacts[1], contacts[2]
     for _ in range(MOST_STEPS):
         to, angle = _first_ahead(here, count, i, mask, normal, ahead, 1e-3 * same)
@@ -223,8 +224,11 @@ def tilt(
                 arm = subtract(row(here, j), row(here, i))
                 turned = unit(cross(arm, normal))
                 ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
-        elif not bent or step < SHORTEST:
-            break
-        else:
+        elif bent and step >= SHORTEST:
             step = SHORTER * min(step, angle)
+        elif bent and to >= 0 and to != skipped:
+            # It comes into the row of the pair, and makes no plane with it: there may be another.
+            mask, skipped, step = mask | 1 << to, to, longest
+        else:
+            break
     return -1, normal

@@ -1,5 +1,6 @@
 """Contacts in one plane, in one line, at one place or all but so: in any order, one answer."""
 
+import itertools
 import math
 
 import numpy as np
@@ -8,8 +9,11 @@ from scipy.optimize import nnls
 
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
-from lutgen.support import acceptance
+from lutgen.recipe import forward, radii_and_kinds
+from lutgen.support import FACETS, SHOWN, acceptance, empty_region, pack, stand
+from tests.fixtures.odd_robots import odd_robot
 from tests.oracles.primitives import Floats, unit
+from tests.oracles.standing import facets_of
 from tests.support.postures import EXACT, below, drawn, exact, limits_of
 
 TIPS = 2
@@ -168,3 +172,35 @@ def test_contacts_that_support_nothing_tip_in_every_direction() -> None:
     assert (got == -math.pi).all()
     # Without a limit they carry a robot that hangs from them.
     assert lutgen.stability(above, -LEVEL, ("tip_angle",))["tip_angle"].item() > 0.4
+
+
+def test_wheels_and_casters_of_one_radius_in_a_row_hide_no_facet() -> None:
+    # On its left wheel, wheel, caster; tilted about these three the plane grazes the one amid.
+    wheel, caster = [0.0, 1.0, 0.0, 0.2, 2.0], [0.0, 0.0, 0.0, 0.2, 1.0]
+    places = [(-0.8, 0.5, wheel), (0.5, 0.5, wheel), (0.6, 0.5, caster), (0.6, -0.5, caster)]
+    rows = np.array([[x, y, -0.2, *rest] for x, y, rest in places])
+    for order in itertools.permutations(range(4)):
+        found = read(rows[list(order)], LEVEL)
+        assert found["status"][0] == 0
+        # Over the line from the caster on the right to the wheel behind on the left.
+        edge = abs(np.cross([1.4, -1.0, 0.0], [0.8, -0.5, 0.0])[2]) / math.hypot(1.4, 1.0)
+        assert found["tip_angle"][0] == pytest.approx(math.atan2(edge, 0.4), abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", [343, 530, 1450, 9012])
+def test_facets_of_robots_with_contacts_in_a_row_are_those_of_the_oracle(seed: int) -> None:
+    recipe = odd_robot(seed)
+    middle = np.array([recipe.home_params])
+    ends = [[p.minimum + 0.3 * (p.maximum - p.minimum) for p in recipe.parameters]]
+    for params in (middle, ends):
+        where, (radius, kind) = forward(recipe, params), radii_and_kinds(recipe)
+        (rows,) = pack(where.centres, where.axes, radius, kind)
+        region = empty_region(len(rows))
+        stand(region, rows, acceptance(math.radians(80.0), None))
+        down = region.facet["normal"][: region.counts[FACETS]]
+        wanted = [one.normal for one in facets_of(region.shown[: region.counts[SHOWN]].copy())]
+        wanted = [normal for normal in wanted if normal[2] < -0.2]
+        down = down[down[:, 2] < -0.2]
+        assert len(down) == len(wanted) > 0
+        for normal in wanted:
+            assert np.linalg.norm(down - normal, axis=1).min() < 1e-6
