@@ -18,7 +18,7 @@ from lutgen.recipe import Recipe
 
 DOWN = np.array([0.0, 0.0, -1.0])
 # Inches: the page, a picture, a disc, and from one posture to the next.
-SIZE, SCENE, DISC, STEP = (8.0, 3.5), (2.5, 1.42), 1.55, 2.62
+SIZE, SCENE, PLATE, STEP = (8.0, 3.5), (2.5, 1.42), 1.55, 2.62
 NOTE = "Discs: every direction of gravity, nose down at the top. Bright: far from tipping over."
 
 
@@ -49,8 +49,8 @@ def draw_hero(recipe: Recipe, postures: Mapping[str, Sequence[float]], title: st
         axes = bare(place(figure, (left, 1.62, *SCENE)))
         scene = draw_scene(axes, recipe, params, down, 0.6)
         scenes.append((axes, scene))
-        _disc(place(figure, (left + 0.02, 0.06, DISC, DISC)), view)
-        x, tip = (left + DISC + 0.09) / SIZE[0], math.degrees(scene.state.channels["tip_angle"])
+        _disc(place(figure, (left + 0.02, 0.06, PLATE, PLATE)), view)
+        x, tip = (left + PLATE + 0.09) / SIZE[0], math.degrees(scene.state.channels["tip_angle"])
         figure.text(x, 0.93 / SIZE[1], angle(tip), size=27, weight="bold", va="center")
         text = figure.text(x, 0.68 / SIZE[1], name, size=9.5, va="top", linespacing=1.25)
         text.set_color(colours().soft)

@@ -22,9 +22,7 @@ from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Floats
 
 # Shapes by MuJoCo's numbers of geoms; lengths are halves there.
-SPHERE, CAPSULE, CYLINDER, BOX, MESH = 2, 3, 5, 6, 7
-KINDS = {0: "plane", 1: "hfield", 2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder"}
-KINDS |= {6: "box", 7: "mesh", 8: "sdf"}
+SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 FREE, BALL, SLIDE, HINGE = range(4)
 EQUAL_JOINTS = 2
 
@@ -206,23 +204,23 @@ class _Reader:
 
     def shape(self, g: int, shift: Floats) -> Collision:
         """Return a geom as a collision shape."""
-        model, kind = self.model, int(self.model.geom_type[g])
+        model, kind = self.model, SHAPES[self.model.geom_type[g]]
         place = as_vector(model.geom_pos[g] - shift), angles(_matrix(model.geom_quat[g]))
         a, b, c = model.geom_size[g].tolist()
-        sizes: dict[int, tuple[float, ...]] = {
-            SPHERE: (a,),
-            CAPSULE: (a, 2.0 * b),
-            CYLINDER: (a, 2.0 * b),
-            BOX: (2.0 * a, 2.0 * b, 2.0 * c),
+        sizes: dict[str, tuple[float, ...]] = {
+            "sphere": (a,),
+            "capsule": (a, 2.0 * b),
+            "cylinder": (a, 2.0 * b),
+            "box": (2.0 * a, 2.0 * b, 2.0 * c),
         }
-        if kind == MESH:
+        if kind == "mesh":
             mesh = int(model.geom_dataid[g])
             file, first = self.name("mesh", mesh), model.mesh_vertadr[mesh]
             vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
             self.meshes[file] = np.array(vertices, np.float64)
-            return Collision("mesh", (), *place, file, (1.0, 1.0, 1.0))
-        note = "" if kind in sizes else f"a geom of kind {KINDS[kind]!r} is not understood"
-        return Collision(KINDS[kind], sizes.get(kind, ()), *place, note=note)
+            return Collision(kind, (), *place, file, (1.0, 1.0, 1.0))
+        note = "" if kind in sizes else f"a geom of kind {kind!r} is not understood"
+        return Collision(kind, sizes.get(kind, ()), *place, note=note)
 
 
 def _matrix(quaternion: Floats) -> Floats:

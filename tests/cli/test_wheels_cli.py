@@ -8,7 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.analysis import Posture, wheel_speeds
-from tests.cli.test_refusals import DITCH
+from tests.cli.test_refusals_cli import DITCH
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid

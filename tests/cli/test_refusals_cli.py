@@ -143,6 +143,8 @@ REFUSED = """
 2 | optimum two.toml --levels 0 | 0 is not in the range: at least 1
 2 | optimum two.toml --levels 1000000 | 32 levels of a search
 2 | optimum two.toml --limit 1e13 | up to 1e12
+2 | weigh tripod.toml | --scales, --tilt: neither is given (got no file); give one of them
+2 | weigh tripod.toml --scales none.csv | none.csv: cannot be read
 2 | wheels two.toml --velocity 1 | '1' is no velocity; write two numbers such as 0.5,0
 2 | wheels two.toml --yaw-rate fast | 'fast' is no number of plain digits up to 1e12
 2 | wheels two.toml -g 0,0,1 | no support facet under this gravity
