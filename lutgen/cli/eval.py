@@ -237,5 +237,5 @@ def entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
         yield "resultant", f"{math.hypot(*report['resultant_over_weight']):.6g} of the weight"
     if "least_stable_axis" in report:
         axis = report["least_stable_axis"]
-        contacts = " - ".join(axis["contacts"])
+        contacts = " - ".join(dict.fromkeys(axis["contacts"]))
         yield "least stable", f"axis {axis['index']}, {contacts}, {axis['tip_angle_deg']:.6g} deg"
