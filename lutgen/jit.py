@@ -13,6 +13,7 @@ import hashlib
 import logging
 import os
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -329,8 +330,6 @@ def in_threads(
 
 def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> list[Result]:
     """Return what `work` answers to each job, in order, asked in so many threads."""
-    from concurrent.futures import ThreadPoolExecutor
-
     pool = ThreadPoolExecutor(threads)
     try:
         answers = list(pool.map(work, jobs))

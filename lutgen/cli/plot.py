@@ -26,8 +26,8 @@ KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 
 
 @dataclass(frozen=True)
-class Asked(RecipeOptions, FigureOptions):
-    """What the command line says."""
+class Options(RecipeOptions, FigureOptions):
+    """Options of `lutgen plot`."""
 
     output: str = option(
         "-o", "--output", required=True, type=Named(), help="PNG, SVG or PDF file."
@@ -49,8 +49,8 @@ class Asked(RecipeOptions, FigureOptions):
     )
 
 
-@command("source", Asked)
-def plot(source: str, asked: Asked) -> None:
+@command("source", Options)
+def plot(source: str, options: Options) -> None:
     """Draw a figure of SOURCE, a map or a recipe; its title is the answer.
 
     \b
@@ -72,30 +72,30 @@ def plot(source: str, asked: Asked) -> None:
     from lutgen.plot import draw, on_sheet, save
     from lutgen.recipe import Recipe
 
-    check_outputs(asked.force, asked.output)
-    opened = open_source(source, asked.allow_python)
+    check_outputs(options.force, options.output)
+    opened = open_source(source, options.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
-    axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
-    if origin := posture_source(recipe, asked.assignments):
+    axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
+    if origin := posture_source(recipe, options.assignments):
         log.info("parameters without a value: %s", origin)
-    with on_sheet(asked.size, asked.style):
+    with on_sheet(options.size, options.style):
         figure = draw(
-            asked.kind,
+            options.kind,
             opened,
-            params=named_values(recipe, asked.assignments),
-            gravity=asked.gravity,
-            channel=asked.channel,
+            params=named_values(recipe, options.assignments),
+            gravity=options.gravity,
+            channel=options.channel,
             axes=axes,
-            convention=asked.convention,
-            scale=asked.scale,
+            convention=options.convention,
+            scale=options.scale,
         )
-        save(figure, asked.output, force=asked.force)
+        save(figure, options.output, force=options.force)
     report = {
         "robot": recipe.name,
         "digest": recipe.digest,
         "source": source,
-        "kind": asked.kind,
-        "figure": asked.output,
-        "bytes": Path(asked.output).stat().st_size,
+        "kind": options.kind,
+        "figure": options.output,
+        "bytes": Path(options.output).stat().st_size,
     }
-    show(report, silent, asked.as_json)
+    show(report, silent, options.as_json)

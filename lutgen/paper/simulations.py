@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from lutgen.analysis import heuristic_forces, normal_forces
 from lutgen.channels import CONVENTIONS, body_gravity, evaluate_each
@@ -171,7 +172,6 @@ def table_one() -> tuple[tuple[TableRow, ...], dict[str, float]]:
 
 def second_optimum() -> float:
     """Return alpha = gamma < 0 (deg) of the other shape whose wheels are equally far apart."""
-    from scipy.optimize import brentq
 
     def uneven(angle: float) -> float:
         """Return |P1 - P2|^2 - |P2 - P3|^2 over R^2, P3 at the nominal elevation."""
