@@ -121,3 +121,14 @@ def test_polar_draws_the_sliding_limit_where_the_robot_still_stands() -> None:
     assert line.get_label() == "slides at 38\N{DEGREE SIGN}"
     for friction in (1.5, None):
         assert not sliding(plot.draw("polar", table(friction)))
+
+
+def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it() -> None:
+    text = (MAPS / "paper_one.toml").read_text(encoding="utf-8")
+    low = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.2", 1))
+    headings = np.linspace(0.0, 6.0, 9)
+    # One wheel is low: on level ground the body leans by 8.2 deg.
+    ground = slide_limits(Posture(low, [0.75]), headings, "plane")
+    assert ground == pytest.approx(math.atan(0.2), abs=1e-9)
+    body = slide_limits(Posture(low, [0.75]), headings, "body")
+    assert np.ptp(body) > math.radians(10.0)
