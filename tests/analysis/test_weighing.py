@@ -115,7 +115,7 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height() -> None:
 
 
 def test_of_noisy_weighings_two_deviations_hold_in_19_of_20() -> None:
-    rng, inside, draws = np.random.default_rng(5), 0, 200
+    rng, inside, draws = np.random.default_rng(5), 0, 60
     exact = weighed(*LEVEL, *SLOPED, accuracy=0.1)
     for _ in range(draws):
         noisy = [
@@ -130,9 +130,9 @@ def test_of_noisy_weighings_two_deviations_hold_in_19_of_20() -> None:
         ]
         found = weigh(MODEL, noisy)
         inside += bool(abs(found.com_shift[2] - SHIFT[2]) < 2.0 * found.com_std[2])
-    # 95.4 % of a normal distribution, in 200 draws within three deviations; more, as scatter
-    # makes deviations larger.
-    assert 0.91 * draws <= inside <= draws - 1
+    # 95.4 % of a normal distribution, within three deviations of 60 draws; more, as scatter makes
+    # deviations larger.
+    assert 0.87 * draws <= inside < draws
 
 
 def test_a_reading_that_contradicts_the_others_makes_deviations_larger() -> None:
