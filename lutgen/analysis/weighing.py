@@ -104,7 +104,7 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     Returns
     -------
     Weighed
-        What cannot be determined stays as the recipe has it.  If the readings scatter more than
+        What cannot be determined moves as little as the readings need.  If they scatter more than
         their deviations say, the result's deviations grow with them.
 
     Raises
@@ -239,7 +239,7 @@ def _deviations(
     scale = float(np.abs(change @ np.diag(np.abs(unknown).max(axis=1, initial=0.0))).max())
     open_ = np.abs(lost).max(axis=1, initial=0.0) > NOTHING * max(scale, 1e-300)
     com_std = np.where(open_, np.inf, np.sqrt(np.maximum(np.diag(com), 0.0)))
-    mass_open = np.abs(unknown[0]).max(initial=0.0) > NOTHING * estimate[0]
+    mass_open = np.abs(unknown[0]).max(initial=0.0) > NOTHING * np.abs(unknown).max(initial=0.0)
     mass_std = math.inf if mass_open else math.sqrt(max(covariance[0, 0], 0.0))
     spread = math.inf if open_.any() else math.sqrt(max(float(np.linalg.eigvalsh(com)[-1]), 0.0))
     return mass_std, com_std, spread

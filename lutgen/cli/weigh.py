@@ -101,7 +101,13 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
         raise InputError(
             f"{options.scales}: line 1 names no scale (got {','.join(rows)}); name contacts."
         )
-    largest = max(float(abs(rows[name]).max()) for name in scales)
+    for name in scales:
+        if (rows[name] < 0.0).any():
+            raise InputError(
+                f"{options.scales}: column {name}: a scale reads 0 kg or more (got "
+                f"{rows[name].min():g}); correct it."
+            )
+    largest = max(float(rows[name].max()) for name in scales)
     accuracy = options.accuracy if options.accuracy is not None else SCALE * largest
     if not accuracy > 0.0:
         raise InputError(f"--accuracy: must be above 0 kg (got {accuracy:g}).")
@@ -208,11 +214,14 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
         rows.append(["mass", cell(report["mass"], ".6g", " kg"), deviation, f"(recipe {recipe})"])
     for axis, shift, std in zip("xyz", report["com_shift"], report["com_std"], strict=True):
         known = [cell(shift, "+.5g", unit), f"+- {cell(std, '.2g', unit)}"]
-        rows.append([f"com {axis}", *(known if std is not None else ["not determined"])])
+        if std is None:
+            # A combination of parts may be known of which none is by itself.
+            known = [*known[:1], "not determined by itself"] if shift else ["not determined"]
+        rows.append([f"com {axis}", *known])
     yield from output.aligned(rows)
     if report["com_open"]:
-        yield "what is not determined stays as the recipe has it: level scales tell no height;"
-        yield "weigh on a slope of 10 deg as well, or give --tilt"
+        yield "what is not determined moves as little as the readings need: level scales tell no"
+        yield "height; weigh on a slope of 10 deg as well, or give --tilt"
     table = [["reading", "value", "residual"]]
     for one in report["readings"]:
         if "scale" in one:
@@ -225,7 +234,8 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
                 [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
             )
     yield from output.aligned(table)
-    if (advice := report["next"]) is not None:
+    advice = report["next"]
+    if advice is not None and advice["com_std"] is not None:
         ground = (
             "level"
             if advice["slope_deg"] == 0.0

@@ -94,6 +94,8 @@ def test_scales_under_the_axles_tell_nothing_across() -> None:
         )
         for one in weighed(*LEVEL)
     ]
+    one = weigh(MODEL, [Weighing((0.0,), {("fl", "fr"): 5000.0}, 0.01)])
+    assert math.isinf(one.mass_std)
     found = weigh(MODEL, both)
     assert found.mass == pytest.approx(14.4)
     assert found.com_shift[0] == pytest.approx(SHIFT[0])
