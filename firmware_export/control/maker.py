@@ -69,7 +69,7 @@ class Wishes:
 
 
 class Loss(NamedTuple):
-    """Of a table: degrees of tip angle lost against the best posture of the lattice, and more.
+    """What a table loses: degrees of tip angle against the best posture of the lattice, and more.
 
     `tips` is the share of slopes on which the table's posture tips, though another stands;
     `step` the largest change (deg, or parts of a length's axis in 1/100) between two nodes.

@@ -79,11 +79,11 @@ def polished(
     best : (n, n) float64
         The score that will do at each node; between them what lies between is wanted.
     ends : ((k,), (k,)) float64
-        Of the axes.
+        Limits of the axes.
     scale : (k,) float64
         A move of one of each parameter.
     score : callable
-        Of postures (m, k) at places (m, 2) of the table, in parts of its sides: scores (m,).
+        Returns scores (m,) of postures (m, k) at places (m, 2), in parts of the table's sides.
     """
     n = len(best)
     cells = np.array([*np.ndindex(n - 1, n - 1)])
@@ -120,7 +120,7 @@ def _moved(
 ) -> tuple[Floats, Floats]:
     """Return a table with each node moved by a step that has slopes lose less, and their losses.
 
-    Of the four corners of every cell one is of each kind, so that nodes of a kind move at once.
+    Every cell has one corner of each of four kinds, so nodes of a kind move at once.
     """
     n = len(values)
     for kind in ((0, 0), (0, 1), (1, 0), (1, 1)):

@@ -1,8 +1,8 @@
 """Normal forces: what each contact on the ground may carry, and how much it does.
 
-Of more than three contacts, and of those that lie in a line or inside the support polygon, statics
-leaves the distribution open.  All loads that balance are the mixtures of a few, the corners of that
-set, each of which rests on three contacts at most.
+Statics leaves the distribution open on more than three contacts, and on contacts that lie in a line
+or inside the support polygon.  All loads that balance are the mixtures of a few, the corners of
+that set, each of which rests on three contacts at most.
 """
 
 from itertools import combinations

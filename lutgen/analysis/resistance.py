@@ -143,7 +143,7 @@ def least_resistance(
             break
         place, below = _meeting(low, left_below, left_slope, high, right_below, right_slope)
         if look % 3 == 2:
-            # Of places of any size the middle is that of their logarithms.
+            # Places may have any size, so the middle is that of their logarithms.
             place = math.sinh((math.asinh(low) + math.asinh(high)) / 2.0)
         known = below >= enough or least - below <= KNOWN * (1.0 + least)
         if known or not low < place < high:
@@ -163,7 +163,7 @@ def least_resistance(
 def least_of_each(motion: Floats, loads: Floats, arm: Floats, roll: Floats) -> float:
     """Return the least resistance under the worst of some loads (c, k), 1 at most.
 
-    Of each load only the contacts that carry some of it count.  It is quicker if loads that rest
+    Only the contacts that carry some of a load count for it.  It is quicker if loads that rest
     little on braked contacts come first: of most others a bound is enough then.
     """
     least = 1.0

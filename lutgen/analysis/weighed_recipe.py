@@ -5,8 +5,8 @@ import re
 from lutgen.analysis.weighing import Weighed
 from lutgen.errors import RecipeError
 from lutgen.recipe import Recipe, parse_recipe
+from lutgen.recipe.load import toml
 
-KEYS = ("mass", "com_offset", "com_uncertainty")
 # Digits that are written: a part in 1e9 is finer than any scale.
 DIGITS = 9
 # The com is within so many standard deviations in 19 of 20 cases and more.
@@ -33,7 +33,7 @@ def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]
 
 def lines_of(keys: dict[str, float | list[float]]) -> list[str]:
     """Return the keys as lines of TOML."""
-    return [f"{key} = {value!r}" for key, value in keys.items()]
+    return [f"{key} = {toml(value)}" for key, value in keys.items()]
 
 
 def corrected(recipe: Recipe, found: Weighed) -> str:

@@ -16,6 +16,7 @@ from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.tilt import level_frames, tilted
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
+from lutgen.support import plane_axes
 from lutgen.vector import Floats
 
 # Singular values below this part of the largest say nothing.
@@ -121,20 +122,16 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
         rows = [_equations(recipe, one, estimate) for one in readings]
         row = np.concatenate([one.row for one in rows])
         value = np.concatenate([one.value for one in rows])
-        left, singular, right = np.linalg.svd(row * scale, full_matrices=True)
-        rank = int((singular > NOTHING * singular[0]).sum())
-        share = left[:, :rank].T @ (value - row @ start) / singular[:rank]
-        estimate = start + scale * (right[:rank].T @ share)
+        share = np.linalg.pinv(row * scale, rcond=NOTHING) @ (value - row @ start)
+        estimate = start + scale * share
     if not estimate[0] > 0.0:
         raise InputError(f"the readings give no mass above 0 (got {estimate[0]:g} kg); check them.")
     rest = value - row @ estimate
-    freedom = len(value) - rank
+    covariance, unknown = _known(row, scale)
+    freedom = len(value) - (4 - unknown.shape[1])
     grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
-    inverse = (right[:rank].T / singular[:rank] ** 2) @ right[:rank]
-    covariance = grown * scale[:, None] * inverse * scale
-    unknown = scale[:, None] * right[rank:].T
-    mass_std, com_std, spread = _deviations(estimate, covariance, unknown)
-    advice = _advice(recipe, readings, estimate, row * scale, scale)
+    mass_std, com_std, spread = _deviations(estimate, grown * covariance, unknown)
+    advice = _advice(recipe, readings, estimate, row, scale)
     return Weighed(
         float(estimate[0]),
         mass_std,
@@ -159,23 +156,25 @@ def _size(recipe: Recipe, readings: Sequence[Reading]) -> float:
     return float(np.linalg.norm(centres, axis=1).max()) or 1.0
 
 
-def _seated(recipe: Recipe, reading: Reading | Advice) -> tuple[Facet, Floats]:
+def _seated(
+    recipe: Recipe, params: tuple[float, ...], slope: float, heading: float
+) -> tuple[Facet, Floats]:
     """Return the facet on which the robot stands, and gravity in the body frame (3,)."""
-    posture = Posture(recipe, reading.params)
+    posture = Posture(recipe, params)
     frame = level_frames(recipe, posture.row, "plane")[0]
     facet = posture.stance_of_weight().under(-frame[:, 2])
     if facet is None:
-        values = ", ".join(f"{value:g}" for value in reading.params)
+        values = ", ".join(f"{value:g}" for value in params)
         raise InputError(
             f"{recipe.source}: the robot rests on nothing in a posture of the file (got parameters "
             f"{values or 'none'}, rad or length); leave it out."
         )
-    return facet, frame @ tilted(reading.slope, reading.heading)
+    return facet, frame @ tilted(slope, heading)
 
 
 def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
     """Return the equations of one reading, in units of its deviation."""
-    facet, down = _seated(recipe, reading)
+    facet, down = _seated(recipe, reading.params, reading.slope, reading.heading)
     if isinstance(reading, Tipping):
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         shift = estimate[1:] / estimate[0]
@@ -195,7 +194,7 @@ def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
                     f"{recipe.source}: a contact carries nothing in this posture (got a load on "
                     f"{name!r}); on the ground are {', '.join(names)}."
                 )
-    loads, free = _balance(facet.touching_points, facet.normal * facet.height, facet.normal, down)
+    loads, free = _balance(facet, down)
     # Loads that statics leaves open are taken out of the readings.
     spare = picked @ free
     keep = np.eye(len(picked)) - spare @ np.linalg.pinv(spare)
@@ -207,14 +206,14 @@ def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
     )
 
 
-def _balance(points: Floats, foot: Floats, normal: Floats, down: Floats) -> tuple[Floats, Floats]:
+def _balance(facet: Facet, down: Floats) -> tuple[Floats, Floats]:
     """Return loads (c, 4) for each unknown, and those (c, c - 3) that balance among themselves.
 
     Friction acts in the ground's plane, so it has no moment about axes in it: with o the com's
     foot and e such an axis, sum N ((r - o) x n) . e = (D x g) . e - m (o x g) . e.
     """
-    first = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.9 else [0.0, 1.0, 0.0])
-    axes = np.array([first, np.cross(normal, first)])
+    points, normal = facet.touching_points, facet.normal
+    foot, axes = normal * facet.height, np.array(plane_axes(tuple(normal.tolist())))
     sums = np.vstack([np.ones(len(points)), axes @ np.cross(points - foot, normal).T])
     known = np.zeros((3, 4))
     known[0, 0] = normal @ down
@@ -223,6 +222,17 @@ def _balance(points: Floats, foot: Floats, normal: Floats, down: Floats) -> tupl
     _, singular, right = np.linalg.svd(sums)
     rank = int((singular > NOTHING * singular[0]).sum())
     return np.linalg.pinv(sums) @ known, right[rank:].T
+
+
+def _known(row: Floats, scale: Floats) -> tuple[Floats, Floats]:
+    """Return the covariance (4, 4) of equations, and the directions (4, u) that they leave open.
+
+    `scale` (4,) is what a unit of each unknown is.
+    """
+    _, singular, right = np.linalg.svd(row * scale)
+    rank = int((singular > NOTHING * singular[0]).sum())
+    inverse = (right[:rank].T / singular[:rank] ** 2) @ right[:rank]
+    return scale[:, None] * inverse * scale, scale[:, None] * right[rank:].T
 
 
 def _deviations(
@@ -246,28 +256,22 @@ def _deviations(
 
 
 def _advice(
-    recipe: Recipe, readings: Sequence[Reading], estimate: Floats, known: Floats, scale: Floats
+    recipe: Recipe, readings: Sequence[Reading], estimate: Floats, row: Floats, scale: Floats
 ) -> Advice | None:
     """Return the weighing after which the com is known best, None where none can be proposed."""
     accuracies = [one.accuracy for one in readings if isinstance(one, Weighing)]
     accuracy = min(accuracies, default=0.01 * float(estimate[0]))
     best = None
     for params, slope, heading in _candidates(recipe):
-        advice = Advice(params, slope, heading, 0.0)
-        facet, down = _seated(recipe, advice)
+        facet, down = _seated(recipe, params, slope, heading)
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         walls = np.cross(start, stop)
         if float((walls @ down / np.linalg.norm(walls, axis=1)).min()) < STANDING:
             continue
-        loads: dict[tuple[str, ...], float] = {
-            (recipe.contact_names[i],): 1.0 for i in facet.touching
-        }
-        more = _equations(recipe, Weighing(params, loads, accuracy, slope, heading), estimate).row
-        _, singular, right = np.linalg.svd(np.vstack([known, more * scale]))
-        rank = int((singular > NOTHING * singular[0]).sum())
-        inverse = (right[:rank].T / singular[:rank] ** 2) @ right[:rank]
-        unknown = scale[:, None] * right[rank:].T
-        _, _, spread = _deviations(estimate, scale[:, None] * inverse * scale, unknown)
+        # A scale under each contact, less the loads that balance among themselves.
+        loads, free = _balance(facet, down)
+        more = (np.eye(len(loads)) - free @ free.T) @ loads / accuracy
+        _, _, spread = _deviations(estimate, *_known(np.vstack([row, more]), scale))
         if best is None or spread < best.com_std:
             best = Advice(params, slope, heading, spread)
     return best

@@ -68,8 +68,8 @@ def control(source: str, options: Options) -> None:
     SOURCE is a folder of `lutgen policy`, or a recipe, in a closed loop with smap_step.  The C
     that lutgen carries is asked with the folder's map and policy; nothing in the folder is run.
     For a recipe both are made now, and not certified.  The command acts a cycle after its sample,
-    or after --latency; where the robot tips is told by the recipe and not by the C. -p gives the
-    shape in which it begins, and which it keeps without control.
+    or after --latency.  The recipe, not the C, says where the robot tips.  -p gives the shape in
+    which it begins, and which it keeps without control.
 
     \b
     $ lutgen policy maps/paper_two.toml -o fw --cycle 1 --rate alpha=60 --rate gamma=60

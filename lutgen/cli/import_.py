@@ -208,7 +208,7 @@ def scaled(joint: str, scale: float) -> str:
 def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Floats]]":
     """Read a description, after expansion where it is asked for, under the name that is given.
 
-    Of MuJoCo's format there are the corners of its meshes, too.
+    For MuJoCo's format the corners of its meshes come with it.
     """
     from lutgen.urdf.joints import soft_limited
     from lutgen.urdf.mjcf import is_mjcf, load_mjcf

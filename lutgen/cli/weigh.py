@@ -204,6 +204,8 @@ def advice_entry(robot: "Recipe", advice: "Advice | None") -> dict[str, Any] | N
 
 def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
+    from lutgen.analysis.weighed_recipe import lines_of
+
     unit = output.unit_text(report["length_unit"])
     cell = output.cell
     yield f"{report['robot']}: {len(report['readings'])} readings"
@@ -246,5 +248,4 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
             f"com to {cell(advice['com_std'], '.2g', unit)}"
         )
     yield "correction, under [robot]:"
-    for key, value in report["keys"].items():
-        yield f"  {key} = {value!r}"
+    yield from (f"  {line}" for line in lines_of(report["keys"]))
