@@ -50,23 +50,9 @@ BOUNDS: dict[str, Bound] = {
 
 
 def check(value: int, bound: Bound, where: str, way_out: str) -> None:
-    """Refuse a number above a bound, before anything is made of that size.
+    """Refuse a number above a bound with InputError, before anything is made of that size.
 
-    Parameters
-    ----------
-    value : int
-        What was asked for.
-    bound : Bound
-        What it may be at most.
-    where : str
-        The file and key, or the option, that asks for it.
-    way_out : str
-        What to do instead.
-
-    Raises
-    ------
-    InputError
-        Above the bound.
+    `where` is the file and key, or the option, that asks for it, and `way_out` what to do instead.
     """
     if value > bound.most:
         raise InputError(

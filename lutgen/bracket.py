@@ -15,14 +15,7 @@ def halve(
 ) -> tuple[Floats, Floats]:
     """Return brackets (n,) that are 2^times narrower.
 
-    Parameters
-    ----------
-    happens : callable
-        Takes places (n,), returns (n,) bool.
-    before, after : (n,) float64
-        Where it does not happen, and where it does.
-    times : int
-        Halvings.
+    It does not happen at the places `before` (n,), and does at those `after`.
 
     Examples
     --------

@@ -35,15 +35,9 @@ _RIM = 1e-12
 class Chart:
     """A chart: which directions a map covers and where its nodes are.
 
-    Parameters
-    ----------
-    kind : {"cone", "sphere"}
-        ``"cone"``: the one face around -z, a square in (u, v) whose sides are
-        `max_tilt` away from straight down.  ``"sphere"``: six faces, every direction.
-    nodes : int
-        Nodes per side of a face; 1 (cone only) means straight down and nothing else.
-    max_tilt : float
-        Radians, cone only; ignored by the sphere.
+    ``"cone"`` is the one face around -z, a square in (u, v) whose sides are `max_tilt` (rad) away
+    from straight down, and with one node straight down alone; ``"sphere"`` is six faces, every
+    direction, with two nodes or more per side.
 
     Examples
     --------
@@ -58,21 +52,6 @@ class Chart:
     kind: str
     nodes: int
     max_tilt: float = math.pi / 4
-
-    def __post_init__(self) -> None:
-        if self.kind not in ("cone", "sphere"):
-            raise InputError(f"chart kind is unknown (got {self.kind!r}); use 'cone' or 'sphere'.")
-        fewest = 1 if self.kind == "cone" else 2
-        if self.nodes < fewest:
-            raise InputError(
-                f"a {self.kind} chart needs at least {fewest} node(s) per side "
-                f"(got {self.nodes}); ask for more nodes."
-            )
-        if self.kind == "cone" and not 0.0 < self.max_tilt < math.pi / 2:
-            raise InputError(
-                f"max_tilt must lie between 0 and pi/2 rad (got {self.max_tilt}); "
-                "use the chart 'sphere' for larger tilts."
-            )
 
     @property
     def faces(self) -> int:
@@ -98,29 +77,16 @@ class Chart:
         return np.asarray((evenly - evenly[::-1]) / 2.0)
 
     def directions(self) -> NDArray[np.float64]:
-        """Return the gravity direction of every node.
-
-        Returns
-        -------
-        (faces, nodes, nodes, 3) float64
-            Unit vectors in the body frame, indexed by face, v, u.
-        """
+        """Return the gravity directions (faces, nodes, nodes, 3), unit, by face, v and u."""
         v, u = np.meshgrid(self.coords, self.coords, indexing="ij")
-        result = np.empty((*self.shape, 3))
-        for face in range(self.faces):
-            result[face, ..., FACE_NORMAL[face]] = FACE_SIGN[face]
-            result[face, ..., FACE_U[face]] = u
-            result[face, ..., FACE_V[face]] = v
-        return result / np.sqrt(1.0 + u * u + v * v)[None, :, :, None]
+        middle, across, up = self.basis().transpose(1, 0, 2)[:, :, None, None]
+        directions = middle + u[..., None] * across + v[..., None] * up
+        return np.asarray(directions / np.sqrt(1.0 + u * u + v * v)[None, :, :, None])
 
     def basis(self) -> NDArray[np.float64]:
-        """Return the frame of every face.
+        """Return the frames (faces, 3, 3): the middle of each face, its u axis, its v axis.
 
-        Returns
-        -------
-        (faces, 3, 3) float64
-            Rows: the middle of the face, its u axis, its v axis.  The direction at
-            (u, v) is middle + u * (u axis) + v * (v axis), not normalised.
+        The direction at (u, v) is middle + u * (u axis) + v * (v axis), not normalised.
         """
         result = np.zeros((self.faces, 3, 3))
         for face in range(self.faces):
@@ -135,14 +101,10 @@ class Chart:
         return np.asarray(1.0 / np.sqrt(1.0 + u * u + v * v))
 
     def solid_angle(self) -> NDArray[np.float64]:
-        """Return the solid angle that each node stands for.
+        """Return the solid angle (faces, nodes, nodes) that each node stands for, sr.
 
-        Returns
-        -------
-        (faces, nodes, nodes) float64
-            Steradians of the node's dual cell (up to half way to its neighbours,
-            cut at the face's rim); the sum is the solid angle of the whole chart,
-            4 pi for the sphere.  The only node of a one-node chart weighs 1.
+        That is its cell up to half way to its neighbours, cut at the face's rim.  The sum is the
+        solid angle of the whole chart; the only node of a one-node chart weighs 1.
         """
         if self.nodes == 1:
             return np.ones(self.shape)
@@ -157,12 +119,7 @@ class Chart:
     def locate(
         self, gravity_dir: ArrayLike
     ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Find the face of each direction and the place on it.
-
-        Parameters
-        ----------
-        gravity_dir : (m, 3) array_like
-            Directions pointing down, body frame, any length above 0.
+        """Find the face of each direction (m, 3), of any length above 0, and the place on it.
 
         Returns
         -------
@@ -201,17 +158,7 @@ class Chart:
 
 
 def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
-    """Return directions with length 1.
-
-    Parameters
-    ----------
-    vectors : (..., 3) array_like
-        Any length above 0, even one whose square overflows.
-
-    Returns
-    -------
-    (..., 3) float64
-        A normalised copy.
+    """Return directions (..., 3), of any length above 0 that a float has, with length 1.
 
     Examples
     --------
@@ -243,19 +190,10 @@ def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
 
 
 def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
-    """Turn what an accelerometer at rest reads into the gravity direction.
+    """Turn what an accelerometer at rest reads (..., 3) into unit vectors pointing down.
 
-    Parameters
-    ----------
-    up_dir : (..., 3) array_like
-        Specific force in the body frame, any length above 0; on level ground it
-        points along +z.  While the robot accelerates it holds the inertial forces
-        too, and the result is then the direction that decides whether it tips.
-
-    Returns
-    -------
-    (..., 3) float64
-        Unit vectors pointing down.
+    On level ground it reads along +z.  While the robot accelerates it holds the inertial forces
+    too, and the result is then the direction that decides whether it tips.
 
     Examples
     --------
@@ -267,25 +205,10 @@ def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
 
 
 def gravito_inertial(gravity_dir: ArrayLike, acceleration: ArrayLike) -> NDArray[np.float64]:
-    """Return the direction of gravity and inertia together, for a robot that accelerates.
+    """Return the unit vector along 9.80665 g - a, for a robot that accelerates: what tips it.
 
-    Parameters
-    ----------
-    gravity_dir : (3,) array_like
-        Pointing down, body frame, any length above 0.
-    acceleration : (3,) array_like
-        Acceleration of the com, body frame, m/s^2.
-
-    Returns
-    -------
-    (3,) float64
-        Unit vector along 9.80665 g - a, g the unit gravity direction: what tips the robot, and
-        what an accelerometer reads with its sign turned (`gravity_from_up`).
-
-    Raises
-    ------
-    InputError
-        For numbers that are not finite, and in free fall, where nothing presses on the ground.
+    `gravity_dir` (3,) points down, `acceleration` (3,) is that of the com in m/s^2, both in the
+    body frame.  InputError is raised for numbers that are not finite, and in free fall.
 
     Examples
     --------

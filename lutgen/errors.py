@@ -60,10 +60,9 @@ def unreadable(source: str, error: OSError) -> RecipeError:
 
 
 def readable(message: str) -> str:
-    """Return a message as a terminal may show it.
+    """Return a message as a terminal may show it, though it quotes names and values of files.
 
-    It quotes files, whose names and values may be of any length and hold characters that a
-    terminal obeys: those are written as escapes.
+    Those may be of any length and hold characters that a terminal obeys, which become escapes.
     """
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST - _END]} ... {message[-_END:]}"

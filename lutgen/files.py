@@ -79,22 +79,9 @@ def check_target(
 ) -> None:
     """Refuse to write where something stands that lutgen did not make.
 
-    Parameters
-    ----------
-    path : path
-        Where a file is to be written.
-    force : bool
-        Whether a file of somebody else may be replaced.
-    content : bytes, optional
-        What is to be written: a file that holds just that may be replaced.
-    way_out : str
-        How the message ends.
-
-    Raises
-    ------
-    InputError
-        For a file without lutgen's mark, unless `force`; for a link or a device always.  A folder
-        is left to whoever writes.
+    InputError, which ends in `way_out`, is raised for a file without lutgen's mark, unless `force`
+    or it holds just the `content` that is to be written; for a link or a device always.  A folder
+    is left to whoever writes.
     """
     check_kind(path)
     try:
@@ -126,15 +113,10 @@ def write_bytes(
     failed: str = "cannot be written",
     force: bool = False,
 ) -> None:
-    """Write a file under a temporary name and rename it.
+    """Write a file under a temporary name, which cannot be foreseen, and rename it.
 
-    The temporary name cannot be foreseen, and the file behind it is opened only if it is new.
-
-    Raises
-    ------
-    InputError
-        As `check_target`; where the file cannot be written, in the words of `failed`: what was
-        there before is untouched.
+    InputError is raised as by `check_target`, and where the file cannot be written, in the words
+    of `failed`: what was there before is untouched.
     """
     check_target(path, force, content)
     target = Path(path)

@@ -12,7 +12,7 @@ import functools
 import hashlib
 import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
@@ -44,8 +44,6 @@ _PACKAGES = (_PACKAGE, _PACKAGE.parent / "firmware_export")
 _FIRST = "compiling the kernels: about 20 seconds on an idle machine, kept for the next time"
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-Job = TypeVar("Job")
-Result = TypeVar("Result")
 
 
 class _Notice(event.Listener):  # type: ignore[misc]
@@ -197,6 +195,8 @@ def njit(
 ) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
+    With ``NUMBA_DISABLE_JIT=1`` in the environment the function stays plain Python.
+
     Parameters
     ----------
     parallel : bool
@@ -205,17 +205,11 @@ def njit(
         Whether the function is always inlined.  Worth it for small functions that take
         arrays: each array argument is seven machine words, each table of arrays dozens.
     exact : bool
-        Whether every operation is rounded by itself, as it is written.  For predicates that must
-        say the same wherever they are used.
+        Whether every operation is rounded by itself, as it is written: predicates must say the
+        same wherever they are used.
     bare : bool
-        Whether the function makes no array and returns none.  References to the arrays that it is
-        given are then not counted, which for ten arrays takes longer than a short kernel's work.
-
-    Returns
-    -------
-    callable
-        The decorator.  With ``NUMBA_DISABLE_JIT=1`` in the environment the
-        function stays plain Python.
+        Whether the function makes no array and returns none.  References to its arrays are then
+        not counted, which for ten arrays takes longer than a short kernel's work.
     """
 
     def compile_later(function: _Function) -> _Function:
@@ -298,21 +292,11 @@ def in_threads(
 ) -> None:
     """Call a kernel on parts of a range, in as many threads as that is worth.
 
+    The kernel is called as ``kernel(begin, end, *arguments)``; `least` pieces are worth a thread.
     Kernels release Python's lock, so Python's own threads are enough, and no kernel is compiled a
     second time for the sake of threads.  On a busy machine a thread that is woken for a few
     microseconds of work is waited for until the machine has a core for it, which takes a thousand
     times as long as the work.
-
-    Parameters
-    ----------
-    kernel : callable
-        Called as ``kernel(begin, end, *arguments)``.
-    pieces : int
-        The parts make up range(pieces).
-    arguments : object
-        The same for every part.
-    least : int
-        Pieces that a thread of its own is worth.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:
@@ -325,20 +309,13 @@ def in_threads(
     for at in range(first):
         kernel(*bounds[at : at + 2], *arguments)
     spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
-    in_pool(lambda span: kernel(*span, *arguments), spans, threads)
-
-
-def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> list[Result]:
-    """Return what `work` answers to each job, in order, asked in so many threads."""
     pool = ThreadPoolExecutor(threads)
     try:
-        answers = list(pool.map(work, jobs))
-    except BaseException:
+        # All are waited for, and the first error is raised.
+        list(pool.map(lambda span: kernel(*span, *arguments), spans))
+    finally:
         # Ctrl-C need not wait for what nobody wants any more.
         pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
-    return answers
 
 
 # A kernel that is loaded from the folder is no such event.

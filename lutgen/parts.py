@@ -181,19 +181,10 @@ class Force:
 
 
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:
-    """Return the names with parents before children, or a loop.
+    """Return the names with parents before children, or a loop; a root has the parent None.
 
-    Parameters
-    ----------
-    parents : mapping of str to str or None
-        The parent of every name, itself a name; None for a root.
-
-    Returns
-    -------
-    order : list of str
-        By the distance from the root, otherwise as given; empty where there is a loop.
-    loop : list of str
-        The way from a name upwards until one is met again, which is the last; empty without one.
+    The order is by the distance from the root, otherwise as given, and empty where there is a loop:
+    that is the way from a name upwards until one is met again, which is the last.
 
     Examples
     --------

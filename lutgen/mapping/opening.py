@@ -19,20 +19,16 @@ from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityMap:
     """Open a map file.
 
+    MapFileError is raised if it is missing, held by another program, no lutgen map, damaged,
+    rewritten, incomplete, or of another format or definition of what stands.
+
     Parameters
     ----------
     path : path
         The file.
     unsealed : bool
-        Whether a file whose seal is missing or does not match is read, too: a map that another
-        program has rewritten or edited.  Its values may be wrong then, and a
-        file that was made to do harm may crash HDF5.
-
-    Raises
-    ------
-    MapFileError
-        If the file is missing, held by another program, no lutgen map, damaged, rewritten,
-        incomplete, or of another format or definition of what stands.
+        Whether a map that another program has rewritten or edited is read, too.  Its values may be
+        wrong then, and a file that was made to do harm may crash HDF5.
     """
     name, sealed = os.fspath(path), True
     try:

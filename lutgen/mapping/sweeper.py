@@ -74,8 +74,7 @@ def sweep(
     Raises
     ------
     InputError
-        For options or a PATH that cannot be used; if PATH or PATH.part is a file that lutgen did
-        not make, or holds work and neither `resume` nor `force` is given.
+        For options or a PATH that cannot be used, such as a file that lutgen did not make.
     RecipeError
         If the robot stands nowhere.
     MapFileError

@@ -56,6 +56,9 @@ def import_urdf(
 ) -> Imported:
     """Turn a description into a recipe.
 
+    RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
+    contacts.
+
     Parameters
     ----------
     robot : UrdfRobot
@@ -75,12 +78,6 @@ def import_urdf(
         Opens the meshes, to find wheels and feet in them; None leaves them closed.
     coupling : Coupling, optional
         Which joints one parameter drives.
-
-    Returns
-    -------
-    Imported
-        RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
-        contacts.
     """
     require_mass(robot)
     motion = read_motion(robot, joints, posture)

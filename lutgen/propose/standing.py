@@ -21,23 +21,10 @@ class Standing:
 def standing_posture(
     robot: UrdfRobot, srdf: Srdf | None, name: str | None, given: Mapping[str, float]
 ) -> Standing:
-    """Return the posture to stand in.
+    """Return the posture to stand in: the one of that `name`, or the likeliest of the SRDF's.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    srdf : Srdf, optional
-        The postures that it has.
-    name : str, optional
-        That of a posture; None for the likeliest one, or joints at zero.
-    given : mapping of str to float
-        Joints that stand elsewhere, rad or m.
-
-    Returns
-    -------
-    Standing
-        InputError is raised for a name without such a posture.
+    The joints that are `given`, rad or m, stand elsewhere, and all others at zero.  InputError is
+    raised for a name without such a posture.
     """
     if srdf is None and name is not None:
         raise InputError(

@@ -25,13 +25,7 @@ def gallery_names() -> tuple[str, ...]:
 
 
 def gallery_text(name: str) -> str:
-    """Return the TOML of a recipe of the gallery, comments included.
-
-    Parameters
-    ----------
-    name : str
-        One of `gallery_names`, with or without `recipe:` before it; any other raises RecipeError.
-    """
+    """Return the TOML of a recipe of the gallery, with or without `recipe:` before its name."""
     bare = name.removeprefix(GALLERY)
     known = gallery_names()
     if bare not in known:
@@ -43,13 +37,7 @@ def gallery_text(name: str) -> str:
 
 
 def start_recipe(kind: str) -> str:
-    """Return a commented recipe to start from, complete as it is.
-
-    Parameters
-    ----------
-    kind : str
-        One of the keys of `start_recipes`; InputError is raised for any other.
-    """
+    """Return a commented recipe to start from, of a kind in `start_recipes`."""
     if kind not in KINDS:
         way_out = suggestion(kind, KINDS, "use one of")
         raise InputError(

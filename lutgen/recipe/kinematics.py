@@ -4,6 +4,7 @@ One kernel walks the link tree for every posture.
 """
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -49,21 +50,10 @@ class Tree(NamedTuple):
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
-    """Compute postures.
+    """Compute postures from rows of parameters (m, k), rad or length.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        One row per posture, one column per parameter, rad or length.  Values outside
-        the parameters' limits are computed like any other; NaN and infinity raise
-        InputError.
-
-    Returns
-    -------
-    Postures
-        Contact centres relative to the com, disc axes, the com, and where forces act.
+    Values outside the parameters' limits are computed like any other; NaN and infinity raise
+    InputError.
     """
     values = _checked(recipe, params)
     if recipe.python is not None and recipe.function is None:
@@ -134,11 +124,17 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
     return values
 
 
-def within_limits(recipe: Recipe, params: ArrayLike) -> Floats:
-    """Return params as `forward` takes them; InputError is raised for one beyond its limits."""
+def within_limits(
+    recipe: Recipe, params: ArrayLike, ends: Sequence[tuple[float, float]] | None = None
+) -> Floats:
+    """Return params as `forward` takes them.
+
+    InputError is raised for one beyond its `ends`, which are the parameters' limits by default.
+    """
     values = _checked(recipe, params)
-    for parameter, column in zip(recipe.parameters, values.T, strict=True):
-        parameter.require(column, recipe.source, parameter.minimum, parameter.maximum)
+    ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
+    for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
+        parameter.require(column, recipe.source, low, high)
     return values
 
 

@@ -17,30 +17,14 @@ OF_JOINT = ("type", "axis")
 def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, ...]]:
     """Write what a description says of its links into a recipe, which keeps all else.
 
-    Parameters
-    ----------
-    text : str
-        The recipe, TOML, with hand edits and comments.
-    source : str
-        Its file, for messages.
-    fresh : str
-        The recipe that the description alone gives, with links of the same names.
+    `text` is the recipe, with hand edits and comments, `source` its file, and `fresh` the recipe
+    that the description alone gives.  Mass, com, origin and rpy of each link become the latter's,
+    and type and axis of its joint; a link that is fixed in one and moves in the other keeps its
+    place and joint.  Returned with the new text is a sentence for each value that was changed,
+    and for each link that only one of them has, which stays as it is.
 
-    Returns
-    -------
-    text : str
-        The recipe with mass, com, origin and rpy of each link, and type and axis of its joint, as
-        in `fresh`; a link that is fixed in one and moves in the other keeps its place and joint.
-    changes : tuple of str
-        A sentence for each value that was changed, and for each link that only one of them has,
-        which stays as it is.
-
-    Raises
-    ------
-    RecipeError
-        Where the recipe is not good, before or after.
-    InputError
-        Where the package tomlkit is not installed.
+    RecipeError is raised where the recipe is not good, before or after, and InputError where the
+    package tomlkit is not installed.
     """
     parse_recipe(text, source)
     try:

@@ -29,7 +29,7 @@ from lutgen.recipe.snap import snap
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
-    """Read a recipe file.
+    """Read a recipe file; one with any fault raises RecipeError.
 
     Parameters
     ----------
@@ -37,11 +37,6 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
         A TOML file, UTF-8, or `recipe:NAME` for one of the gallery, which comes with the package.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
-
-    Returns
-    -------
-    Recipe
-        Checked; a file with any fault raises RecipeError.
     """
     source = os.fspath(path)
     text = gallery_text(source) if source.startswith(GALLERY) else read_text(path)
@@ -55,26 +50,19 @@ def parse_recipe(
     inert: bool = False,
     urdf: str | None = None,
 ) -> Recipe:
-    """Check the text of a recipe.
+    """Check the text of a recipe, TOML; one with any fault raises RecipeError.
 
     Parameters
     ----------
-    text : str
-        TOML.
-    source : str
-        File name for messages; its folder is where the code of a `python` key and the file of a
-        `urdf` key are.
+    text, source : str
+        The text, and its file for messages, in whose folder the code of a `python` key and the
+        file of a `urdf` key are.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
     inert : bool
         Leave that code alone even so, and open no file: enough to read a map.
     urdf : str, optional
         Content of the robot description that the recipe names, instead of the file.
-
-    Returns
-    -------
-    Recipe
-        Checked; a text with any fault raises RecipeError.
     """
     file = read_tables(text, source, File)
     robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()

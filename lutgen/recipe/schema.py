@@ -319,11 +319,8 @@ class _Writer(GenerateJsonSchema):
 def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema of recipes, draft 2020-12, as plain lists and dicts.
 
-    Returns
-    -------
-    dict
-        It knows keys, types and intervals.  What keys demand of each other, such as that a name
-        is that of a link, only `parse_recipe` refuses.
+    It knows keys, types and intervals.  What keys demand of each other, such as that a name is that
+    of a link, only `parse_recipe` refuses.
 
     Examples
     --------

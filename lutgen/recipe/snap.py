@@ -34,22 +34,12 @@ class Disc(NamedTuple):
 
 
 def snap(recipe: Recipe) -> Recipe:
-    """Return a recipe whose discs agree where they all but agree.
+    """Return a recipe whose discs agree where they all but agree; `snapped` says what has moved.
 
     Discs without a parameter between them whose axes are one line within `contact_tolerance` are
     put on one line; of these, radii that differ by less become their mean; and one between two
     others that stands out of the straight cone between them by no more is made to stand back, so
     that it touches nothing.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        Checked; one given by code is returned as it is.
-
-    Returns
-    -------
-    Recipe
-        `snapped` says what has moved by more than rounding.
     """
     places = _places(recipe.links)
     groups: dict[str, list[Disc]] = {}

@@ -87,7 +87,10 @@ def read_motion(
     posture: Mapping[str, float] | None = None,
     couples: Sequence[Couple] = (),
 ) -> Motion:
-    """Sort the joints.
+    """Sort the joints; RecipeError is raised for what cannot be free, or not together.
+
+    A parameter of 360 deg or more, or without limits, has -180 to 180 deg; the limits of all joints
+    that it drives, and of those that mimic them, bound it.
 
     Parameters
     ----------
@@ -100,13 +103,6 @@ def read_motion(
         name.  Those of joints that mimic others do not count.
     couples : sequence of Couple, optional
         Joints that one parameter drives, each joint at most once.
-
-    Returns
-    -------
-    Motion
-        A parameter of 360 deg or more, or without limits, has -180 to 180 deg; the limits of all
-        joints that it drives, and of those that mimic them, bound it.  RecipeError is raised for
-        what cannot be free, or not together.
     """
     posture = posture or {}
     leaders = _leaders(robot, couples)
