@@ -128,7 +128,9 @@ def write_bytes(
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)
-            _put(partial, target, force, content)
+            # Somebody else may have taken the name meanwhile.
+            check_target(target, force, content)
+            partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
     except OSError as error:
@@ -136,20 +138,6 @@ def write_bytes(
             f"{target}: {failed} (got {error.strerror or error}); "
             "choose a folder that exists and is writable."
         ) from error
-
-
-def _put(partial: Path, target: Path, force: bool, content: bytes) -> None:
-    """Give a finished file its name; one that somebody else has taken meanwhile is left alone."""
-    if not force:
-        try:
-            os.link(partial, target)
-            return
-        except FileExistsError:
-            check_target(target, force, content)
-        except OSError:
-            # A file system without links.
-            pass
-    partial.replace(target)
 
 
 def digest(content: bytes) -> str:
@@ -170,15 +158,8 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(head)
-    writer.writerows([_cell(value) for value in row] for row in rows)
+    for row in rows:
+        # NaN differs from itself.
+        cells = ["" if one != one else one for one in row]
+        writer.writerow([int(one) if isinstance(one, bool) else one for one in cells])
     return out.getvalue()
-
-
-def _cell(value: object) -> object:
-    """Return a value as CSV has it."""
-    if isinstance(value, bool):
-        return int(value)
-    if isinstance(value, float):
-        # NaN differs from itself; float() drops NumPy's own way of printing.
-        return repr(float(value)) if value == value else ""
-    return value

@@ -13,8 +13,9 @@ from lutgen.errors import InputError, RecipeError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
-    from lutgen.propose import Imported, Standing
+    from lutgen.propose import Imported
     from lutgen.urdf.description import UrdfRobot
+    from lutgen.urdf.srdf import Standing
     from lutgen.vector import Floats
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
@@ -105,11 +106,11 @@ def import_(urdf: str, options: Options) -> None:
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import check_target, write_text
-    from lutgen.propose import Coupling, import_urdf, standing_posture
+    from lutgen.propose import Coupling, import_urdf
     from lutgen.recipe import merged_recipe, read_text
     from lutgen.urdf.meshes import Meshes
     from lutgen.urdf.sources import Sources
-    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside
+    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside, standing_posture
 
     if not options.output.endswith(".toml"):
         got = options.output

@@ -19,7 +19,7 @@ import numpy as np
 
 from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError
-from lutgen.files import check_kind, check_target, is_ours
+from lutgen.files import check_kind, check_target
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.opening import load_map
@@ -88,7 +88,8 @@ def sweep(
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
     require_standing(recipe)
     target = Path(path)
-    part = _part_of(target, force)
+    check_target(target, force)
+    part = _part_of(target)
     before = numba.get_num_threads()
     numba.set_num_threads(threads or most)
     try:
@@ -137,7 +138,7 @@ def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None
         )
 
 
-def _part_of(target: Path, force: bool) -> Path:
+def _part_of(target: Path) -> Path:
     """Return the path of the unfinished file; refuse what cannot or must not be written."""
     if not target.name or target.is_dir():
         raise InputError(
@@ -149,16 +150,7 @@ def _part_of(target: Path, force: bool) -> Path:
             "make it first"
         )
     part = target.with_name(target.name + ".part")
-    check_target(target, force)
     check_kind(part)
-    if force:
-        with contextlib.suppress(FileNotFoundError):
-            with part.open("rb") as file:
-                # That of another sweep, which is just laying it out, begins with zeros.
-                begun = any(file.read(1))
-            # A file that is none of ours may have other names: it is removed, not emptied.
-            if begun and not is_ours(part):
-                part.unlink()
     return part
 
 

@@ -4,7 +4,7 @@ A recipe may name a file beside it, and joints of it as parameters.
 """
 
 from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from lutgen import bounds
 from lutgen.errors import suggestion
@@ -25,19 +25,16 @@ SAME = 1e-6
 
 def read_description(source: str, name: str) -> str:
     """Return the text of the file of this name, in the folder of a recipe or below."""
-    path = PurePosixPath(name)
     key, way_out = "robot.urdf", "copy the file beside the recipe and write its name"
-    if path.is_absolute() or ".." in path.parts or "\\" in name or "\0" in name:
-        fail(source, key, "must be a relative path without '..'", name, way_out)
     folder = Path(source).resolve().parent
     try:
-        target = (folder / path).resolve()
-        if not target.is_relative_to(folder):
-            fail(source, key, "leads out of the recipe's folder", name, way_out)
-        if not target.is_file():
-            fail(source, key, "names no file", name, way_out)
-    except (OSError, RuntimeError) as error:
+        target = (folder / name).resolve()
+        inside, there = target.is_relative_to(folder), target.is_file()
+    except (OSError, RuntimeError, ValueError) as error:
         fail(source, key, f"cannot be read: {error}", name, way_out)
+    if not (inside and there):
+        what = "names no file" if inside else "leads out of the recipe's folder"
+        fail(source, key, what, name, way_out)
     return utf8(bounds.read(str(target), bounds.URDF_BYTES), f"{source}: {name}")
 
 

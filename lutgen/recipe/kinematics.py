@@ -6,7 +6,7 @@ One kernel walks the link tree for every posture.
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.parts import KINDS, Contact, Force, parents_first
+from lutgen.recipe.code import asked
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
@@ -62,7 +63,10 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
             f"{recipe.python!r}); load its recipe file with allow_python"
         )
     if recipe.function is not None:
-        return _forward_python(recipe, values)
+        own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
+        com = com + recipe.com_offset
+        none = np.empty((len(values), 0, 3))
+        return Postures(own - com[:, None, :], np.zeros(own.shape), com, none)
     contacts = len(recipe.contacts)
     shape = (len(values), contacts + len(recipe.forces), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
@@ -136,26 +140,6 @@ def within_limits(
     for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
         parameter.require(column, recipe.source, low, high)
     return values
-
-
-def _forward_python(recipe: Recipe, values: Floats) -> Postures:
-    """Call the robot's own function."""
-    function: Any = recipe.function
-    contacts, com = (np.asarray(part, dtype=np.float64) for part in function(values))
-    shape = (len(values), len(recipe.contacts), 3)
-    if contacts.shape != shape or com.shape != (len(values), 3):
-        raise InputError(
-            f"{recipe.source}: `{recipe.python}` must return contacts {shape} and com "
-            f"{(len(values), 3)} (got {contacts.shape} and {com.shape}); correct the function."
-        )
-    if not (np.isfinite(contacts).all() and np.isfinite(com).all()):
-        raise InputError(
-            f"{recipe.source}: `{recipe.python}` must return finite numbers (got NaN or "
-            "infinity); correct the function."
-        )
-    com = com + recipe.com_offset
-    centres = contacts - com[:, None, :]
-    return Postures(centres, np.zeros(shape), com, np.empty((len(values), 0, 3)))
 
 
 @lru_cache(maxsize=16)

@@ -14,7 +14,7 @@ import numpy as np
 
 from lutgen import bounds
 from lutgen.errors import InputError, RecipeError
-from lutgen.rotation import angles
+from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
@@ -137,7 +137,7 @@ class _Reader:
         Each hinge turns about its anchor, where the link that it moves has its origin.
         """
         model, above = self.model, int(self.model.body_parentid[body])
-        turn = _matrix(model.body_quat[body])
+        turn = _turn(model.body_quat[body])
         parent, own = self.name("body", above), self.name("body", body)
         # Anchors are in the body's frame, and the parent's link is not at its body's origin.
         at, rpy = model.body_pos[body] - shift[above], angles(turn)
@@ -205,7 +205,7 @@ class _Reader:
     def shape(self, g: int, shift: Floats) -> Collision:
         """Return a geom as a collision shape."""
         model, kind = self.model, SHAPES[self.model.geom_type[g]]
-        place = as_vector(model.geom_pos[g] - shift), angles(_matrix(model.geom_quat[g]))
+        place = as_vector(model.geom_pos[g] - shift), angles(_turn(model.geom_quat[g]))
         a, b, c = model.geom_size[g].tolist()
         sizes: dict[str, tuple[float, ...]] = {
             "sphere": (a,),
@@ -223,13 +223,7 @@ class _Reader:
         return Collision(kind, sizes.get(kind, ()), *place, note=note)
 
 
-def _matrix(quaternion: Floats) -> Floats:
-    """Return the rotation (3, 3) of a unit quaternion, w first."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _turn(quaternion: Floats) -> Floats:
+    """Return the rotation (3, 3) of a quaternion, w first."""
+    w, x, y, z = quaternion.tolist()
+    return from_quaternion(x, y, z, w)

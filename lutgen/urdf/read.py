@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.errors import suggestion
 from lutgen.parts import parents_first
-from lutgen.rotation import angles, axis_rotation
+from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
 from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
@@ -269,10 +269,7 @@ class _Reader(Elements):
             if "rpy" in origin.attrib or len(values) != 4 or not 0.0 < length <= LARGEST:
                 way_out = "write a quaternion of four numbers, and no rpy beside it"
                 self.fail(where, "<origin> has no turn as quat_xyzw", quat, way_out)
-            x, y, z, w = (value / length for value in values)
-            sine = math.hypot(x, y, z)
-            about = (x / sine, y / sine, z / sine) if sine > 0.0 else (1.0, 0.0, 0.0)
-            return xyz, angles(axis_rotation(about, 2.0 * math.atan2(sine, w)))
+            return xyz, angles(from_quaternion(*values))
         rpy = self.vector(origin, "rpy", where, ZERO)
         if any(rpy):
             rpy, taken = parts_of_turns(origin.attrib["rpy"])

@@ -12,9 +12,9 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.errors import InputError, suggestion
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.xml import LARGEST, floats, parse_xml
+from lutgen.urdf.xml import Elements, parse_xml
 
 # Names of postures in which robots stand, the likeliest first.
 STANDING = (
@@ -55,6 +55,48 @@ class Srdf:
         return self.postures[name]
 
 
+@dataclass(frozen=True)
+class Standing:
+    """Values of joints (rad, m), where they come from, and sentences on what they leave out."""
+
+    values: dict[str, float]
+    words: str
+    left_out: tuple[str, ...]
+
+
+def standing_posture(
+    robot: UrdfRobot, srdf: Srdf | None, name: str | None, given: Mapping[str, float]
+) -> Standing:
+    """Return the posture to stand in: the one of that `name`, or the likeliest of the SRDF's.
+
+    The joints that are `given`, rad or m, stand elsewhere, and all others at zero.  InputError is
+    raised for a name without such a posture.
+    """
+    if srdf is None and name is not None:
+        raise InputError(
+            f"--posture: there is no SRDF file beside {robot.source} (got {name!r}); "
+            "give one with --srdf, or joints with -p."
+        )
+    values: dict[str, float] = {}
+    words = "joints at zero, or at their limit nearest to it"
+    if srdf is None:
+        words += " (no SRDF file names one)"
+    elif (chosen := srdf.standing() if name is None else name) is not None:
+        values, words = srdf.posture(chosen), f"{chosen} of {Path(srdf.source).name}"
+    else:
+        known = ", ".join(srdf.postures) or "none"
+        words += f" ({Path(srdf.source).name} names none to stand in: {known})"
+    if given:
+        words = f"{', '.join(given)} as given; else {words}"
+    beyond = [j for j in robot.joints if j.name in values and not _within(j, values[j.name])]
+    left_out = tuple(
+        f"joint {joint.name}: at its limit, beyond which the posture is"
+        for joint in beyond
+        if joint.name not in given
+    )
+    return Standing({**values, **given}, words, left_out)
+
+
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
     """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
 
@@ -62,31 +104,18 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
     that is no number of at most 1e12.
     """
     source = os.fspath(path)
-    root = parse_xml(bounds.read(source, bounds.URDF_BYTES), source)
+    root, read = parse_xml(bounds.read(source, bounds.URDF_BYTES), source), Elements(source)
     if root.tag != "robot":
-        raise RecipeError(
-            f"{source}: root element is not <robot> (got {root.tag!r}); give an SRDF."
-        )
+        read.fail("root element", "is not <robot>", root.tag, "give an SRDF")
     known = {joint.name for joint in robot.joints}
     result: dict[str, dict[str, float]] = {}
     for state in root.iterfind("group_state"):
-        name = state.get("name", "")
-        if not name.strip() or not name.isprintable():
-            raise RecipeError(
-                f"{source}: a <group_state> has no usable name (got {name!r}); name the posture."
-            )
-        values = result.setdefault(name, {})
+        values = result.setdefault(read.name(state), {})
         for element in state.iterfind("joint"):
-            joint, text = element.get("name", ""), element.get("value", "")
-            if joint not in known or len(text.split()) > 1:
-                continue
-            number = floats(text)
-            if not number or not abs(number[0]) <= LARGEST:
-                raise RecipeError(
-                    f"{source}: posture {name!r}: joint {joint!r} has no number as value (got "
-                    f"{text[:60]!r}); write rad, or m."
-                )
-            values[joint] = number[0]
+            joint = element.get("name", "")
+            if joint in known and len(element.get("value", "").split()) <= 1:
+                where = f"posture {state.get('name')!r}: joint {joint!r}"
+                values[joint] = read.number(element, "value", where)
     return Srdf(source, result, joint_groups(root, robot))
 
 
@@ -135,15 +164,6 @@ def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[s
             refuse(f"joint {name!r} goes from {ends}", "give a value within")
         result[name] = number * factor
     return result
-
-
-def beyond_limits(robot: UrdfRobot, values: Mapping[str, float]) -> list[str]:
-    """Return the joints whose value lies outside their limits, where they stand at the limit."""
-    return [
-        joint.name
-        for joint in robot.joints
-        if joint.name in values and not _within(joint, values[joint.name])
-    ]
 
 
 def _within(joint: UrdfJoint, value: float) -> bool:
