@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import numba
 from llvmlite import binding
-from numba import prange, types
+from numba import types
 from numba.core import event, sigutils
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.codegen import JITCodeLibrary
@@ -28,7 +28,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.misc.appdirs import user_cache_dir
 
-__all__ = ["cache_folder", "in_threads", "njit", "prange"]
+__all__ = ["cache_folder", "in_threads", "njit"]
 
 # "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
 # depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
@@ -119,9 +119,8 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
 class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
     """The code of a kernel that others call: linked into theirs, and never run by itself.
 
-    numba would optimise it, with all that it calls, and make machine code of it and of a wrapper
-    for Python, and do the same again for each kernel above it: half of the time that compiling
-    takes.
+    numba would make machine code of it, with all that it calls, and a wrapper for Python, and do
+    the same again for each kernel above it: half of the time that compiling takes.
     """
 
     def finalize(self) -> None:
@@ -191,7 +190,7 @@ class _InnerKernels(_Kernels):
 
 
 def njit(
-    *, parallel: bool = False, inline: bool = False, exact: bool = False, bare: bool = False
+    *, inline: bool = False, exact: bool = False, bare: bool = False
 ) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
@@ -199,8 +198,6 @@ def njit(
 
     Parameters
     ----------
-    parallel : bool
-        Whether ``prange`` loops of the function run in several threads.
     inline : bool
         Whether the function is always inlined.  Worth it for small functions that take
         arrays: each array argument is seven machine words, each table of arrays dozens.
@@ -217,7 +214,6 @@ def njit(
             "error_model": "numpy",
             "fastmath": False if exact else FASTMATH,
             "nogil": True,
-            "parallel": parallel,
             "forceinline": inline,
             "_nrt": not bare,
             # Nobody calls a kernel from C.
@@ -226,10 +222,8 @@ def njit(
         compiled: _Function = numba.njit(**options)(function)
         if not isinstance(compiled, CPUDispatcher):
             return compiled
-        called = compiled
-        if not parallel:
-            options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
-            called = numba.njit(**options)(function)
+        options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
+        called = numba.njit(**options)(function)
         _call_inside(compiled, called)
         if cache_folder() is not None:
             called._cache, compiled._cache = _InnerKernels(function), _Kernels(function)
@@ -241,9 +235,8 @@ def njit(
 def _call_inside(compiled: Any, called: Any) -> None:
     """Let kernels call a form of a kernel of their own, one for literal integers and for others.
 
-    numba compiles a callee once for each literal that a caller hands on, and once more for a
-    variable: a counter that starts at 0 doubles everything below it.  After inlining the machine
-    code is the same.
+    numba compiles a callee once for each literal that a caller hands on, and for a variable: a
+    counter that starts at 0 doubles everything below it.  The machine code is the same.
     """
     find = called.get_call_template
 
@@ -257,11 +250,10 @@ def _call_inside(compiled: Any, called: Any) -> None:
 
 @functools.cache
 def cache_folder() -> str | None:
-    """Return the folder of the machine code, or None if nothing can be written there.
+    """Return the folder of the machine code; None if it cannot be written, to compile each time.
 
-    It is ``<root>/<digest>``.  The root is ``NUMBA_CACHE_DIR``, else ``lutgen`` in the user's cache
-    folder.  The digest changes with every file that holds kernels, with numba and with the
-    processor.  Without a folder, kernels are compiled at each start.
+    It is ``<root>/<digest>``: the root ``NUMBA_CACHE_DIR``, or ``lutgen`` in the user's caches; the
+    digest changes with every file that holds kernels, with numba and with the processor.
     """
     digest = hashlib.sha256()
     for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
@@ -290,13 +282,11 @@ def _digest(path: Path) -> str:
 def in_threads(
     kernel: Callable[..., None], pieces: int, *arguments: object, least: int = 1
 ) -> None:
-    """Call a kernel on parts of a range, in as many threads as that is worth.
+    """Call ``kernel(begin, end, *arguments)`` on parts of a range, in threads of `least` pieces.
 
-    The kernel is called as ``kernel(begin, end, *arguments)``; `least` pieces are worth a thread.
-    Kernels release Python's lock, so Python's own threads are enough, and no kernel is compiled a
-    second time for the sake of threads.  On a busy machine a thread that is woken for a few
-    microseconds of work is waited for until the machine has a core for it, which takes a thousand
-    times as long as the work.
+    Kernels release Python's lock, so Python's own threads do, and no kernel is compiled a second
+    time for them.  On a busy machine a thread that is woken for a few microseconds of work is
+    waited for until a core is free, which takes a thousand times as long as the work.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:

@@ -14,9 +14,8 @@ class Collision:
 
     `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"`` (radius, length
     without the ends; along z), ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its
-    `scale`, neither checked, or the name of any other geometry, with size ().  Of a mesh that was
-    opened there may be ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says
-    how it was found, and on a shape that is not understood, why.
+    `scale`, neither checked, ``"points"`` (x, y, z, x, ...) of a mesh that was opened, or the name
+    of any other geometry, with size ().  `note` says how it was guessed, or why it was not.
     """
 
     kind: str

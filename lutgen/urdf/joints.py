@@ -19,10 +19,9 @@ TURNING = ("revolute", "continuous")
 
 @dataclass(frozen=True)
 class Couple:
-    """Joints that one parameter drives: each is scale * parameter + offset.
+    """Joints that one parameter drives, `why`, and scale and offset of each.
 
-    `joints` has scale and offset of each; the first of them stands for the parameter in a Motion.
-    `why` says why they go together.
+    Each is scale * parameter + offset; the first of them stands for the parameter in a Motion.
     """
 
     name: str

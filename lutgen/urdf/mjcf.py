@@ -48,14 +48,8 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
 
     The robot is the free body with most mass, or else the body of the world with most mass; joints
     between it and the world are left out.  Values of joints count from the model's reference
-    posture (`qpos0`).
-
-    Raises
-    ------
-    InputError
-        Without the package mujoco.
-    RecipeError
-        For a file that MuJoCo refuses, or that has no body with a mass.
+    posture (`qpos0`).  InputError is raised without the package, RecipeError for a file that MuJoCo
+    refuses, or that has no body with a mass.
     """
     source = os.fspath(path)
     try:
@@ -143,9 +137,8 @@ class _Reader:
         at, rpy = model.body_pos[body] - shift[above], angles(turn)
         first, count = model.body_jntadr[body], model.body_jntnum[body]
         if count == 0:
-            return [UrdfJoint(f"{own}_fixed", "fixed", parent, own, as_vector(at), rpy)], np.zeros(
-                3
-            )
+            joint = UrdfJoint(f"{own}_fixed", "fixed", parent, own, as_vector(at), rpy)
+            return [joint], np.zeros(3)
         result, here = [], np.zeros(3)
         for j in range(first, first + count):
             anchor = np.array(model.jnt_pos[j]) if model.jnt_type[j] == HINGE else here

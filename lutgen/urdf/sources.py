@@ -40,8 +40,8 @@ class Sources:
     def file(self, name: str) -> Path:
         """Return the file of a path, ``file://``, ``package://`` or ``model://``.
 
-        As it is written, or with its percent signs decoded, or with / for each backslash.
-        InputError is raised where there is none, and names one that differs in case alone.
+        As it is written, or with percent signs decoded, or / for each backslash.  InputError is
+        raised where there is none, and names one that differs in case alone.
         """
         kind, mark, rest = name.partition("://")
         base, inside = self.start, rest if mark else name
@@ -64,10 +64,9 @@ class Sources:
     def package(self, name: str) -> Path | None:
         """Return the folder of a package, None where there is none.
 
-        In this order: the folder that is given for the name, the folders of ROS_PACKAGE_PATH and up
-        to 3 levels below, ``share/NAME`` in the prefixes of AMENT_PREFIX_PATH, then from `start`
-        upwards each folder that is the package, or that holds it.  A folder is the package if it
-        has a package.xml of that name; above `start` also if it is called so.
+        The one that is given for the name, in ROS_PACKAGE_PATH and up to 3 levels below,
+        ``share/NAME`` in AMENT_PREFIX_PATH, then from `start` upwards each folder that is the
+        package, by its package.xml or above `start` by its own name, or that holds it.
         """
         if name in self.named:
             return self.named[name]
@@ -128,8 +127,8 @@ def load_xacro(
     """Expand a xacro file and check the description that comes out.
 
     `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
-    values of the file's ``<xacro:arg>``.  InputError is raised without the package xacrodoc, and
-    RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
+    values of ``<xacro:arg>``.  InputError is raised without the package xacrodoc, RecipeError for
+    a package that is not found, what cannot be expanded, and what describes no robot.
     """
     source = os.fspath(path)
     text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")

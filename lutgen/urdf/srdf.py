@@ -98,10 +98,9 @@ def standing_posture(
 
 
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
-    """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
+    """Read postures and groups of an SRDF of at most 16 MiB, for the joints of `robot`.
 
-    The joints of `robot` count.  RecipeError is raised for a file with any fault, such as a value
-    that is no number of at most 1e12.
+    RecipeError is raised for a file with any fault.
     """
     source = os.fspath(path)
     root, read = parse_xml(bounds.read(source, bounds.URDF_BYTES), source), Elements(source)

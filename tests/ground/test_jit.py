@@ -207,11 +207,11 @@ def test_an_error_in_a_thread_is_raised_where_the_work_was_asked_for():
 
 def test_kernels_run_as_plain_python_when_the_compiler_is_switched_off(tmp_path):
     code = (
-        "from lutgen.jit import njit, prange\n"
-        "@njit(parallel=True)\n"
+        "from lutgen.jit import njit\n"
+        "@njit()\n"
         "def total(n):\n"
         "    s = 0\n"
-        "    for i in prange(n):\n"
+        "    for i in range(n):\n"
         "        s += i\n"
         "    return s\n"
         "print(total(5), type(total).__name__)"
