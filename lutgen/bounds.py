@@ -9,8 +9,6 @@ from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError, unreadable
 
-__all__ = ["BOUNDS", "Bound", "check", "read", "short_enough"]
-
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
 

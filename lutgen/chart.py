@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 
-__all__ = ["STANDARD_GRAVITY", "Chart", "gravito_inertial", "gravity_from_up", "unit_directions"]
-
 # m/s^2.
 STANDARD_GRAVITY = 9.80665
 

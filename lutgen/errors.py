@@ -8,19 +8,6 @@ expect, so that code which does not know lutgen can still catch it.
 import difflib
 from collections.abc import Iterable
 
-__all__ = [
-    "ExportError",
-    "InputError",
-    "LutgenError",
-    "MapFileError",
-    "RecipeError",
-    "SweepError",
-    "one_line",
-    "readable",
-    "suggestion",
-    "unreadable",
-]
-
 # Names that a message lists at most.
 _MOST = 30
 # Characters of a message that are shown; of a longer one its beginning and its way out.

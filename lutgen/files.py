@@ -14,16 +14,6 @@ from pathlib import Path
 
 from lutgen.errors import InputError
 
-__all__ = [
-    "check_kind",
-    "check_target",
-    "csv_text",
-    "digest",
-    "is_ours",
-    "write_bytes",
-    "write_text",
-]
-
 # How the kinds of files begin that can say who made them, and what lutgen's say.  Texts have no
 # place for a mark that no reader stumbles over, and recipes are for hands: both have none.
 _MARKS: tuple[tuple[int, bytes, tuple[bytes, ...]], ...] = (

@@ -28,8 +28,6 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.misc.appdirs import user_cache_dir
 
-__all__ = ["cache_folder", "in_threads", "njit"]
-
 # "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
 # depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
 FASTMATH = {"contract", "arcp", "nsz"}

@@ -11,21 +11,6 @@ from typing import Any
 
 from lutgen.errors import InputError
 
-__all__ = [
-    "KINDS",
-    "ZERO",
-    "Contact",
-    "Force",
-    "Joint",
-    "Link",
-    "Parameter",
-    "Vector",
-    "Wheel",
-    "parents_first",
-    "to_display",
-    "to_internal",
-]
-
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)

@@ -12,8 +12,6 @@ from typing import Any
 from lutgen.errors import InputError
 from lutgen.parts import to_display, to_internal
 
-__all__ = ["CHANNELS", "EXPORTABLE", "QUANTITIES", "RANKED", "UNLOADED", "Quantity", "wanted"]
-
 
 @dataclass(frozen=True)
 class Quantity:

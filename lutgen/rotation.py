@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from lutgen.vector import Floats, Vector
 
-__all__ = ["angles", "axis_rotation", "from_quaternion", "rotation"]
-
 # Below this cosine of the pitch, roll and yaw turn about the same axis and roll is set to 0.
 _LOCKED = 1e-9
 
