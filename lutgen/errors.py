@@ -7,6 +7,8 @@ expect, so that code which does not know lutgen can still catch it.
 
 import difflib
 from collections.abc import Iterable
+from importlib import import_module
+from typing import Any
 
 # Names that a message lists at most.
 _MOST = 30
@@ -44,6 +46,16 @@ def unreadable(source: str, error: OSError) -> RecipeError:
     if isinstance(error, FileNotFoundError):
         return RecipeError(f"{source}: there is no such file; check the path.")
     return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")
+
+
+def optional(what: str, name: str, package: str, otherwise: str) -> Any:
+    """Return a module of a package that need not be there; InputError says how to get it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(
+            f"{what} needs more packages (got {error}); `pip install {package}`, or {otherwise}."
+        ) from None
 
 
 def readable(message: str) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.chart import Chart
-from lutgen.errors import InputError, MapFileError
+from lutgen.errors import InputError, MapFileError, optional
 from lutgen.grid import Axis
 from lutgen.mapping.interpolate import Place, interpolate, locate, worst
 from lutgen.mapping.seal import Storage, check_seal
@@ -209,13 +209,8 @@ class StabilityMap:
 
         InputError is raised if xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise InputError(
-                f"{self.path}: a Dataset needs the package xarray (got {error}); install it with "
-                "`pip install xarray`, or take arrays from `StabilityMap.channel`"
-            ) from None
+        what = f"{self.path}: a Dataset"
+        xarray = optional(what, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
             shown = ("units", "long_name", "flag_values", "flag_meanings")

@@ -18,7 +18,7 @@ import numba
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError, MapFileError, SweepError
+from lutgen.errors import InputError, MapFileError, SweepError, optional
 from lutgen.files import check_kind, check_target
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
@@ -159,15 +159,11 @@ def _dask(
     recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
 ) -> Iterator[Engine]:
     """Connect to the workers that compute the blocks."""
-    try:
-        from lutgen.mapping.dask import compute_there, connected
-    except ImportError as error:
-        raise InputError(
-            f"the engine dask needs more packages (got {error}); install lutgen[cluster], or use "
-            "the engine local"
-        ) from error
-    with connected(scheduler) as client:
-        yield partial(compute_there, recipe=recipe, layout=layout, client=client, threads=threads)
+    name, package = "lutgen.mapping.dask", "lutgen[cluster]"
+    there = optional("the engine dask", name, package, "use the engine local")
+    with there.connected(scheduler) as client:
+        work = partial(there.compute_there, recipe=recipe, layout=layout)
+        yield partial(work, client=client, threads=threads)
 
 
 def _open(file: PartFile, resume: bool, force: bool) -> None:

@@ -6,7 +6,7 @@ Links are taken from the description, everything else from the recipe.
 import tomllib
 from typing import Any
 
-from lutgen.errors import InputError
+from lutgen.errors import optional
 from lutgen.recipe.recipe import parse_recipe
 
 # Keys that a description sets in a link wherever it hangs, and those of its place.
@@ -27,13 +27,7 @@ def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, .
     package tomlkit is not installed.
     """
     parse_recipe(text, source)
-    try:
-        import tomlkit
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package tomlkit to keep its comments (got no such package); "
-            "install it with `pip install lutgen[merge]`, or write another file."
-        ) from None
+    tomlkit = optional(f"{source}: --merge", "tomlkit", "lutgen[merge]", "write another file")
     document = tomlkit.parse(text)
     wanted = {link["name"]: link for link in tomllib.loads(fresh)["robot"].get("link", [])}
     changes: list[str] = []

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from lutgen import bounds
-from lutgen.errors import InputError
+from lutgen.errors import InputError, optional
 from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
 from lutgen.urdf.sources import Sources, quoted
@@ -102,11 +102,10 @@ def _corners(path: Path) -> Floats:
     # An archive, also behind other bytes, unpacks to any size, and XML may define entities.
     if kind == "dae" and (zipfile.is_zipfile(io.BytesIO(raw)) or b"<!DOCTYPE" in raw):
         raise InputError("is an archive or has a document type declaration")
-    try:
-        import collada
-        import trimesh
-    except ImportError:
-        raise InputError("needs a reader of meshes: `pip install lutgen[meshes]`") from None
+    otherwise = "give the contacts with --contact"
+    collada, trimesh = (
+        optional("reading it", name, "lutgen[meshes]", otherwise) for name in ("collada", "trimesh")
+    )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

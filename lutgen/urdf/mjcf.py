@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError
+from lutgen.errors import RecipeError, optional
 from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
@@ -52,13 +52,7 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
     refuses, or that has no body with a mass.
     """
     source = os.fspath(path)
-    try:
-        import mujoco
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package mujoco to be read (got no such package); install it with "
-            "`pip install lutgen[mjcf]`, or write a URDF."
-        ) from None
+    mujoco = optional(f"{source}: MJCF", "mujoco", "lutgen[mjcf]", "write a URDF")
     before = mujoco.get_mju_user_warning()
     # Else warnings go to a file MUJOCO_LOG.TXT where the command runs.
     mujoco.set_mju_user_warning(lambda text: None)

@@ -14,7 +14,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError
+from lutgen.errors import InputError, RecipeError, optional
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.xml import parse_xml
@@ -138,15 +138,10 @@ def load_xacro(
             f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
             "xacro: before its elements."
         )
-    try:
-        import xacro
-        from xacrodoc import XacroDoc
-        from xacrodoc import packages as finder
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
-            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
-        ) from None
+    xacro, xacrodoc, finder = (
+        optional(f"{source}: xacro", name, "lutgen[xacro]", "expand the file with xacro")
+        for name in ("xacro", "xacrodoc", "xacrodoc.packages")
+    )
     found: dict[str, Path] = dict(packages or {})
     known = Sources(Path(source).parent, found.copy())
     # Which packages are needed shows while the file is expanded: once more for each.
@@ -159,7 +154,7 @@ def load_xacro(
             xacro.init_stacks(str(Path(source).absolute()))
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                document = XacroDoc.from_string(
+                document = xacrodoc.XacroDoc.from_string(
                     text,
                     subargs=dict(arguments or {}),
                     resolve_packages=False,
