@@ -50,7 +50,6 @@ class _Notice(event.Listener):  # type: ignore[misc]
     said = False
 
     def on_start(self, event: object) -> None:
-        """Say so at the first kernel that the folder does not hold."""
         if not self.said:
             self.said = True
             logging.getLogger("lutgen").warning(_FIRST)
@@ -67,7 +66,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> "_Place":
-        """Return the place of a function."""
         return cls(function, file)
 
     def ensure_cache_path(self) -> None:
@@ -75,7 +73,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
         Path(self.get_cache_path()).mkdir(exist_ok=True)
 
     def get_cache_path(self) -> str:
-        """Return the folder of the function's module."""
         return f"{cache_folder()}/{self.function.__module__}"
 
     def get_source_stamp(self) -> str:
@@ -83,7 +80,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
         return _digest(Path(self.file))
 
     def get_disambiguator(self) -> str:
-        """Return the line at which the function begins."""
         return str(self.function.__code__.co_firstlineno)
 
 
@@ -122,7 +118,6 @@ class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
     """
 
     def finalize(self) -> None:
-        """Take in the code of all that is called."""
         for library in dict.fromkeys(self._linking_libraries):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalize_dynamic_globals()
@@ -135,33 +130,26 @@ class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
 
     @property
     def codegen(self) -> Any:
-        """What numba gives the environment of machine code to."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
         """Keep nothing: Python never calls this code."""
 
     def serialize_using_object_code(self) -> tuple[str, bytes]:
-        """Return what the disk cache keeps."""
         return self.name, self._get_module_for_linking().as_bitcode()
 
 
 class _InnerCompiler(Compiler):  # type: ignore[misc]
-    """numba's compiler, for the code that other kernels call."""
-
     def compile_extra(self, func: Any) -> Any:
-        """Compile a function."""
         self.state.library = _InnerCode(self.state.targetctx.codegen(), func.__qualname__)
         return super().compile_extra(func)
 
 
 class _InnerForms(_Forms):
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """Return a name beside that of the machine code for Python."""
         return f"{super().get_filename_base(fullname, abiflags)}.inner"
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """Return a form that was kept."""
         (name, code), fndesc, env, signature, _, lifted, annotation, reload_init, envs = payload
         library = _InnerCode(target_context.codegen(), name)
         library._final_module, library._finalized = binding.parse_bitcode(code), True
@@ -182,8 +170,6 @@ class _InnerForms(_Forms):
 
 
 class _InnerKernels(_Kernels):
-    """The disk cache of the code that other kernels call."""
-
     _impl_class = _InnerForms
 
 
@@ -273,7 +259,6 @@ def cache_folder() -> str | None:
 
 @functools.cache
 def _digest(path: Path) -> str:
-    """Return the digest of a file of sources."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

@@ -65,7 +65,6 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
 
 
 def _reason(error: Exception, path: Path) -> str:
-    """Return why a file cannot be opened, and what to do."""
     got = error.strerror if isinstance(error, OSError) and error.strerror else error
     if isinstance(error, FileNotFoundError):
         return "there is no such file; check the path"
@@ -79,7 +78,6 @@ def _reason(error: Exception, path: Path) -> str:
 
 
 def _require_ours(name: str, attributes: dict[str, Any]) -> None:
-    """Refuse HDF5 that is no complete map of this format and definition."""
     again = "make it again with `lutgen sweep`"
     for key, wanted, what, way_out in (
         ("lutgen_format", FORMAT, "is no lutgen map of this format", again),
@@ -95,7 +93,6 @@ def _require_ours(name: str, attributes: dict[str, Any]) -> None:
 
 
 def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
-    """Return the recipe in a map, without running code that it names."""
     text, urdf = str(attributes["recipe"]), attributes.get("urdf")
     own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
     if own != held:

@@ -133,7 +133,6 @@ class PartFile:
         sync_folder(self.path.parent)
 
     def _require_space(self) -> None:
-        """Refuse to begin where the disk has not the room for the whole file."""
         free = shutil.disk_usage(self.path.parent).free
         need = self.head.size - getattr(os.fstat(self._handle), "st_blocks", 0) * 512
         if need > free:
@@ -144,7 +143,6 @@ class PartFile:
             )
 
     def _require_same(self) -> None:
-        """Refuse to go on with a file that was laid out for something else."""
         found, recipe = self._read_head(), self.head.storage.recipe
         start = self.head.data.index(BLANK.encode())
         # How far the sweep is may differ: the digests, the seal, and whether it is complete.

@@ -135,7 +135,6 @@ class StabilityMap:
             ) from error
 
     def _index(self, name: str) -> int:
-        """Return the place of a channel among those of the map; InputError if it has none."""
         if name in self.channels:
             return self.channels.index(name)
         raise InputError(

@@ -126,7 +126,6 @@ def sweep(
 
 
 def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None:
-    """Refuse engines that do not exist and options that they do not have."""
     if engine not in ENGINES:
         raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
     if scheduler is not None and engine != "dask":
@@ -158,7 +157,6 @@ def _part_of(target: Path) -> Path:
 def _dask(
     recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
 ) -> Iterator[Engine]:
-    """Connect to the workers that compute the blocks."""
     name, package = "lutgen.mapping.dask", "lutgen[cluster]"
     there = optional("the engine dask", name, package, "use the engine local")
     with there.connected(scheduler) as client:

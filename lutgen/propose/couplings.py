@@ -132,7 +132,6 @@ def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
 
 
 def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
-    """Return whether joints can go together by half the way that each can go alone, at least."""
     couple = _at_rest("", scales, free, "")
     low, high, least = -TURN, TURN, TURN
     for name, (scale, offset) in couple.joints.items():
@@ -210,7 +209,6 @@ class _Reader:
         return result
 
     def item(self, text: str, item: str, before: Mapping[str, float]) -> dict[str, float]:
-        """Return the factors of one joint, group or pattern."""
         if item in self.joints:
             return {item: 1.0}
         match = FACTOR.fullmatch(item)

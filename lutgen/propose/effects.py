@@ -60,7 +60,6 @@ def inner_contacts(
 
 
 def _between(k: int, others: NDArray[np.intp], centre: Floats, radius: Floats, same: float) -> bool:
-    """Return whether a contact lies in the hull of two of the others."""
     first, second = (index.ravel() for index in np.meshgrid(others, others))
     way = centre[second] - centre[first]
     square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)

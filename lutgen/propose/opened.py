@@ -69,7 +69,6 @@ def opened_meshes(
 
 
 def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
-    """Return a link with its meshes read."""
     turn, origin = place
     shapes, parts = [], [np.zeros((0, 3))]
     for shape in link.collisions:
@@ -161,7 +160,6 @@ def _replaced(
 def _shape(
     corners: Floats, name: str, axle: UrdfJoint | None, where: Mapping[str, Place]
 ) -> Collision:
-    """Return the wheel, or else the foot, that a link's meshes are."""
     turn, origin = where[name]
     if axle is not None:
         about, centre = where[axle.child]
@@ -209,7 +207,6 @@ def drawn(link: UrdfLink) -> UrdfLink:
 
 
 def _cornered(link: UrdfLink) -> UrdfLink:
-    """Return a link with points for its boxes, if it has nothing else to stand on."""
     if not all(shape.kind == "box" for shape in link.collisions):
         return link
     parts = []

@@ -140,7 +140,6 @@ def import_urdf(
 
 
 def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
-    """Return what was recognised in meshes, links of the same words together."""
     notes = guesses(robot, contacts)
     links: dict[str, dict[str, None]] = {}
     for contact in contacts:
@@ -150,7 +149,6 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
-    """Return the refusal of too few or too many contacts, and where too few could be."""
     way_out = "name the links that touch the ground with --contact"
     closed = closed_shapes(robot)
     if count < 3 and closed:

@@ -66,7 +66,6 @@ def links_and_shapes(
 
 
 def _driven(parameter: schema.Parameter) -> dict[str, tuple[float, float]]:
-    """Return scale and offset (rad or m) of each joint of a parameter."""
     if parameter.drive is None:
         return {parameter.joint or parameter.name: (1.0, 0.0)}
     return {
@@ -96,7 +95,6 @@ def _joint_faults(robot: Robot, known: list[str]) -> Iterator[Fault]:
 def _range_faults(
     parameters: tuple[Parameter, ...], described: UrdfRobot, motion: Motion
 ) -> Iterator[Fault]:
-    """Yield parameters of the wrong unit and values that their joints cannot take."""
     kinds = {joint.name: joint.kind for joint in described.joints}
     for place, (parameter, couple) in enumerate(zip(parameters, motion.couples, strict=True), 1):
         key, joint = f"robot.parameter[{place}]", couple.first

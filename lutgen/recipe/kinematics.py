@@ -144,7 +144,6 @@ def within_limits(
 
 @lru_cache(maxsize=16)
 def _tree(recipe: Recipe) -> Tree:
-    """Flatten the links of a recipe."""
     order, _ = parents_first({link.name: link.parent for link in recipe.links})
     named = {link.name: link for link in recipe.links}
     links = [named[name] for name in order]
@@ -191,7 +190,6 @@ def _tree(recipe: Recipe) -> Tree:
 
 @njit()
 def _turn(axis: Floats, angle: float, out: Floats) -> None:
-    """Write the rotation matrix about a unit axis (Rodrigues' formula)."""
     c, s = math.cos(angle), math.sin(angle)
     x, y, z, d = axis[0], axis[1], axis[2], 1.0 - c
     out[0, 0] = c + x * x * d
@@ -207,7 +205,6 @@ def _turn(axis: Floats, angle: float, out: Floats) -> None:
 
 @njit()
 def _multiply(left: Floats, right: Floats, out: Floats) -> None:
-    """Write the product of two 3 x 3 matrices; `out` must be neither of them."""
     for i in range(3):
         for j in range(3):
             out[i, j] = (
@@ -225,7 +222,6 @@ def _copy(matrix: Floats, out: Floats) -> None:
 
 @njit()
 def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
-    """Return component i of matrix times vector."""
     return float(matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
 
 

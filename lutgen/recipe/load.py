@@ -57,7 +57,6 @@ class Fault:
     way_out: str
 
     def __str__(self) -> str:
-        """Return the sentence without the file."""
         text = f"key `{self.key}`: {self.what} (got {_shown(self.got)}); {self.way_out}."
         return readable(text).replace("\n", "\\n")
 
@@ -158,7 +157,6 @@ def path_of(parts: Sequence[int | str]) -> str:
 
 
 def _fault(model: type[BaseModel], error: Any) -> Fault:
-    """Return a fault that the models found."""
     kind, where, context = error["type"], error["loc"], error.get("ctx", {})
     numbers = {name: f"{one:,.15g}" for name, one in context.items() if type(one) in (int, float)}
     table, name, field = _place(model, where)

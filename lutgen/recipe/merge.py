@@ -47,7 +47,6 @@ def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, .
 
 
 def _bring(link: Any, wanted: dict[str, Any]) -> list[str]:
-    """Write the values of a description's link into the recipe's; return what was changed."""
     moves = link.get("joint", {}).get("type", "none") != "none"
     same_kind = moves == ("joint" in wanted)
     changes = _copy(link, wanted, (*OWN, *PLACED) if same_kind else OWN, f"link {link['name']}")

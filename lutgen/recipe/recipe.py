@@ -132,7 +132,6 @@ def parse_recipe(
 
 
 def _text(value: str | float | None) -> str | None:
-    """Return a quantity as text, a bare number without a needless ".0"."""
     if value is None:
         return None
     return value.strip() if isinstance(value, str) else repr(value).removesuffix(".0")

@@ -44,7 +44,6 @@ def _either(kind: type) -> Discriminator:
 
 
 def _in(unit: str) -> Any:
-    """Return what adds a unit to a type."""
     return Field(json_schema_extra={"x-unit": unit})
 
 

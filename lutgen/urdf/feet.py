@@ -222,5 +222,4 @@ def _ring(direction: Floats, angle: float, count: int = ROUND) -> Floats:
 
 
 def _plain(values: Floats) -> tuple[float, ...]:
-    """Return lengths (n,) as plain numbers, to a micrometre: finer than any mesh is made."""
     return tuple((np.round(values, DIGITS) + 0.0).tolist())

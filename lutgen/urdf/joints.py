@@ -190,7 +190,6 @@ def _ranges(
 def _check_couples(
     robot: UrdfRobot, couples: Sequence[Couple], ranges: Mapping[str, tuple[float, float]]
 ) -> None:
-    """Refuse couples of joints that turn and that slide, and of joints without a common range."""
     joints = {joint.name: joint for joint in robot.joints}
     for couple in couples:
         moving = [joints[name] for name in couple.joints if name in joints]
@@ -212,7 +211,6 @@ def _check_couples(
 
 
 def _alike(joint: UrdfJoint, leader: UrdfJoint) -> bool:
-    """Return whether both turn or both slide."""
     kinds = {joint.kind, leader.kind}
     return kinds == {"prismatic"} or kinds <= {*TURNING}
 
@@ -224,7 +222,6 @@ def _why_held(
     ranges: dict[str, tuple[float, float]],
     chosen: Sequence[str] | None,
 ) -> str | None:
-    """Return why a joint does not move, or None."""
     if joint.kind in ("floating", "planar"):
         return f"is {joint.kind}"
     follows = "" if joint is leader else f"follows {leader.name!r}, which "
@@ -247,7 +244,6 @@ def _why_held(
 def _check_chosen(
     robot: UrdfRobot, chosen: Sequence[str], drives: Mapping[str, Drive], held: Mapping[str, str]
 ) -> None:
-    """Refuse chosen joints that are unknown or cannot be free."""
     joints = {joint.name: joint for joint in robot.joints}
     for name in chosen:
         if name not in joints:

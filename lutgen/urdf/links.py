@@ -104,7 +104,6 @@ def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:
 
 
 def _moved(joint: UrdfJoint, value: float) -> Place:
-    """Return the placement of a joint's child in its parent."""
     turn, origin = rotation(joint.rpy), np.array(joint.origin)
     if value == 0.0 or joint.kind in ("fixed", "floating", "planar"):
         return turn, origin

@@ -74,7 +74,6 @@ class Meshes:
 
 
 def _hull(corners: Floats) -> Floats:
-    """Return the corners of a convex hull; of what is flat all."""
     distinct = np.unique(corners, axis=0)
     size = float(np.ptp(distinct, axis=0).max())
     if not math.isfinite(size) or size > LARGEST:

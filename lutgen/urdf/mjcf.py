@@ -68,15 +68,12 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
 
 
 class _Reader:
-    """Reads one compiled model."""
-
     def __init__(self, model: Any, source: str) -> None:
         self.model, self.source = model, source
         self.left_out: Counter[str] = Counter()
         self.meshes: dict[str, Floats] = {}
 
     def read(self) -> Mjcf:
-        """Return the robot."""
         model = self.model
         tops = [b for b in range(1, model.nbody) if model.body_parentid[b] == 0]
         free = [b for b in tops if FREE in self.kinds(b)]
@@ -115,7 +112,6 @@ class _Reader:
         return getattr(self.model, kind)(index).name or f"{kind}_{index}"
 
     def kinds(self, body: int) -> list[int]:
-        """Return the kinds of a body's joints."""
         first = self.model.body_jntadr[body]
         return list(map(int, self.model.jnt_type[first : first + self.model.body_jntnum[body]]))
 
@@ -179,7 +175,6 @@ class _Reader:
         return result
 
     def link(self, body: int, shift: Floats) -> UrdfLink:
-        """Return a body as a link; `shift` is the link's origin in the body's frame."""
         model = self.model
         first = model.body_geomadr[body]
         geoms = range(first, first + model.body_geomnum[body])
@@ -190,7 +185,6 @@ class _Reader:
         return UrdfLink(self.name("body", body), float(model.body_mass[body]), com, shapes, looks)
 
     def shape(self, g: int, shift: Floats) -> Collision:
-        """Return a geom as a collision shape."""
         model, kind = self.model, SHAPES[self.model.geom_type[g]]
         place = as_vector(model.geom_pos[g] - shift), angles(_turn(model.geom_quat[g]))
         a, b, c = model.geom_size[g].tolist()
@@ -211,6 +205,5 @@ class _Reader:
 
 
 def _turn(quaternion: Floats) -> Floats:
-    """Return the rotation (3, 3) of a quaternion, w first."""
     w, x, y, z = quaternion.tolist()
     return from_quaternion(x, y, z, w)

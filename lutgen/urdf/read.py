@@ -79,7 +79,6 @@ class _Reader(Elements):
         self.unknown: Counter[str] = Counter()
 
     def robot(self, root: Element) -> UrdfRobot:
-        """Read the whole description."""
         self.refuse_xacro(root)
         if root.tag != "robot":
             self.fail("root element", "is not <robot>", root.tag, "give a URDF file")
@@ -139,7 +138,6 @@ class _Reader(Elements):
                 self.check_known(child, where)
 
     def link(self, element: Element) -> UrdfLink:
-        """Read a <link>."""
         name = self.name(element)
         where = f"link {name!r}"
         self.check_known(element, where)
@@ -158,7 +156,6 @@ class _Reader(Elements):
         return UrdfLink(name, value, self.placement(inertial, where)[0], shapes, looks)
 
     def shapes(self, element: Element, tag: str, where: str) -> tuple[Collision, ...]:
-        """Read the shapes of a link."""
         return tuple(
             self.shape(part, where, i)
             for i, part in enumerate(element.iterfind(tag), 1)
@@ -187,7 +184,6 @@ class _Reader(Elements):
         return Collision(kind, size, *placed, note=note)
 
     def joint(self, element: Element) -> UrdfJoint:
-        """Read a <joint>."""
         name = self.name(element)
         where = f"joint {name!r}"
         self.check_known(element, where)
@@ -277,7 +273,6 @@ class _Reader(Elements):
         return xyz, rpy
 
     def unique(self, what: str, names: Iterable[str]) -> None:
-        """Refuse a name that two links or two joints have."""
         for name, count in Counter(names).items():
             if count > 1:
                 self.fail(f"{what} {name!r}", "is given more than once", count, "rename one")

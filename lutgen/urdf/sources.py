@@ -75,7 +75,6 @@ class Sources:
         return next(self._candidates(name), None)
 
     def _candidates(self, name: str) -> Iterator[Path]:
-        """Yield the folders that are the package, the likeliest first."""
         for entry in _entries("ROS_PACKAGE_PATH"):
             for depth in range(DEPTH + 1):
                 files = sorted(entry.glob("*/" * depth + "package.xml"))
@@ -92,7 +91,6 @@ class Sources:
 
 
 def _entries(variable: str) -> list[Path]:
-    """Return the folders of an environment variable."""
     return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 

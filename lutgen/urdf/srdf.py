@@ -166,7 +166,6 @@ def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[s
 
 
 def _within(joint: UrdfJoint, value: float) -> bool:
-    """Return whether a joint can take a value, but for rounding."""
     return joint.lower - SAME <= value <= joint.upper + SAME
 
 
