@@ -7,7 +7,7 @@ docs/reference/bounds.md is this table.
 from dataclasses import dataclass
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, unreadable
+from lutgen.errors import InputError, RecipeError, one_line
 
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
@@ -65,7 +65,9 @@ def read(source: str, bound: Bound) -> bytes:
         with Path(source).open("rb") as file:
             return short_enough(file.read(bound.most + 1), source, bound)
     except OSError as error:
-        raise unreadable(source, error) from error
+        missing = isinstance(error, FileNotFoundError)
+        what = "there is no such file" if missing else f"cannot be read (got {error.strerror})"
+        raise RecipeError(f"{one_line(source)}: {what}; check the path.") from error
 
 
 def short_enough(content: bytes, source: str, bound: Bound) -> bytes:

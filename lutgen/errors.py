@@ -40,14 +40,6 @@ class ExportError(LutgenError, RuntimeError):
     """No export meets what was asked for, or its folder could not be written or compiled."""
 
 
-def unreadable(source: str, error: OSError) -> RecipeError:
-    """Return the error for a recipe or a description that the system does not let us read."""
-    source = one_line(source)
-    if isinstance(error, FileNotFoundError):
-        return RecipeError(f"{source}: there is no such file; check the path.")
-    return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")
-
-
 def optional(what: str, name: str, package: str, otherwise: str) -> Any:
     """Return a module of a package that need not be there; InputError says how to get it."""
     try:

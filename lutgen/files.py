@@ -33,10 +33,7 @@ _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 def is_ours(path: str | os.PathLike[str]) -> bool:
     """Return whether a file carries the mark of those that lutgen makes; OSError may be raised."""
-    handle = os.open(path, os.O_RDONLY | _FLAGS | getattr(os, "O_NONBLOCK", 0))
-    with os.fdopen(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            return False
+    with Path(path).open("rb") as file:
         ends = file.read(_NEAR)
         file.seek(max(file.tell(), file.seek(0, io.SEEK_END) - _NEAR))
         ends += file.read()
@@ -75,14 +72,11 @@ def check_target(
     """
     check_kind(path)
     try:
-        found = os.lstat(path)
-        if force or stat.S_ISDIR(found.st_mode) or is_ours(path):
+        if force or Path(path).is_dir() or is_ours(path):
             return
-        if content is not None and found.st_size == len(content):
-            handle = os.open(path, os.O_RDONLY | _FLAGS)
-            with os.fdopen(handle, "rb") as file:
-                if file.read(len(content) + 1) == content:
-                    return
+        same = content is not None and Path(path).stat().st_size == len(content)
+        if same and Path(path).read_bytes() == content:
+            return
     except OSError:
         # Nothing there, or the writing says what is wrong.
         if not os.path.lexists(path):

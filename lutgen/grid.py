@@ -30,9 +30,6 @@ class Axis:
         same = self.name == other.name and self.unit == other.unit
         return same and np.array_equal(self.knots, other.knots)
 
-    def __hash__(self) -> int:
-        return hash((self.name, self.unit, tuple(self.knots.tolist())))
-
     @property
     def size(self) -> int:
         """Number of knots."""

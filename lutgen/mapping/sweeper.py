@@ -6,13 +6,13 @@ computed, where, progress, interruption and resumption.
 
 import contextlib
 import os
+import threading
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from queue import SimpleQueue
 
 import numba
 import numpy as np
@@ -196,16 +196,12 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     # A robot given by code is asked by one thread, as its author expects.
     enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
-    computers: SimpleQueue[Computer] = SimpleQueue()
-    for _ in range(workers):
-        computers.put(Computer(recipe, layout))
+    own = threading.local()
 
     def work(number: int) -> int:
-        computer = computers.get()
-        try:
-            file.write(number, computer.compute(layout.block(number)))
-        finally:
-            computers.put(computer)
+        if not hasattr(own, "computer"):
+            own.computer = Computer(recipe, layout)
+        file.write(number, own.computer.compute(layout.block(number)))
         return number
 
     alone = 1 if workers > 1 else len(todo)

@@ -5,7 +5,7 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Link
+from lutgen.parts import ZERO, Contact, Force, Link
 from lutgen.recipe.code import load_function
 from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
@@ -13,11 +13,9 @@ from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
     contacts_of,
-    forces_of,
     knots_of,
     links_of,
     parameters_of,
-    payloads_of,
     three,
     weighed,
     wheels_of,
@@ -95,6 +93,7 @@ def parse_recipe(
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)
         refuse(source, faults)
         links = links_of(robot) if robot.urdf is None else links
+    payloads = [Link(p.name, p.link, three(p.position), mass=p.mass) for p in robot.payload]
     samples = file.sweep.samples or {}
     axes = (
         Axis(one.name, parameter.unit, knots_of(one, samples[one.name]))
@@ -108,7 +107,7 @@ def parse_recipe(
         upright=math.radians(robot.upright),
         rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
-        links=weighed((*links, *payloads_of(robot)), robot.mass),
+        links=weighed((*links, *payloads), robot.mass),
         contacts=contacts,
         python=robot.python,
         grid=Grid(tuple(axes)),
@@ -120,7 +119,10 @@ def parse_recipe(
         function=function,
         wheels=wheels_of(robot, contacts),
         urdf=urdf if robot.urdf is not None else None,
-        forces=forces_of(robot),
+        forces=tuple(
+            Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
+            for one in robot.force
+        ),
         com_uncertainty=robot.com_uncertainty,
         com_offset=three(robot.com_offset),
         rest_width=robot.rest_width,

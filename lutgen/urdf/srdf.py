@@ -127,10 +127,7 @@ def srdf_beside(path: str | os.PathLike[str]) -> Path | None:
     file = Path(path)
     stem = file.name.partition(".")[0]
     for folder in (file.parent, file.parent / "srdf", file.parent.parent / "srdf"):
-        try:
-            found = [one for one in sorted(folder.glob("*.srdf")) if one.is_file()]
-        except OSError:
-            continue
+        found = [one for one in sorted(folder.glob("*.srdf")) if one.is_file()]
         fitting = [one for one in found if stem.startswith(one.stem)]
         if fitting:
             return max(fitting, key=lambda one: len(one.stem))
