@@ -7,7 +7,7 @@ docs/reference/bounds.md is this table.
 from dataclasses import dataclass
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, one_line
+from lutgen.errors import InputError, RecipeError, one_line, reject
 
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
@@ -53,10 +53,8 @@ def check(value: int, bound: Bound, where: str, way_out: str) -> None:
     `where` is the file and key, or the option, that asks for it, and `way_out` what to do instead.
     """
     if value > bound.most:
-        raise InputError(
-            f"{where}: beyond the limit of {bound.most:,} {bound.what} (got {shown(value)}); "
-            f"{way_out}."
-        )
+        what = f"beyond the limit of {bound.most:,} {bound.what}"
+        reject(where, what, shown(value), way_out, InputError)
 
 
 def read(source: str, bound: Bound) -> bytes:
@@ -73,10 +71,8 @@ def read(source: str, bound: Bound) -> bytes:
 def short_enough(content: bytes, source: str, bound: Bound) -> bytes:
     """Return bytes, or refuse too many of them with RecipeError."""
     if len(content) > bound.most:
-        raise RecipeError(
-            f"{source}: is too long (got more than {bound.most:,} {bound.what}); leave out what "
-            "is not needed, or name another file."
-        )
+        what, way_out = "is too long", "leave out what is not needed, or name another file"
+        reject(source, what, f"more than {bound.most:,} {bound.what}", way_out)
     return content
 
 

@@ -8,7 +8,7 @@ expect, so that code which does not know lutgen can still catch it.
 import difflib
 from collections.abc import Iterable
 from importlib import import_module
-from typing import Any
+from typing import Any, NoReturn
 
 # Names that a message lists at most.
 _MOST = 30
@@ -40,14 +40,20 @@ class ExportError(LutgenError, RuntimeError):
     """No export meets what was asked for, or its folder could not be written or compiled."""
 
 
+def reject(
+    where: object, what: str, got: object, way_out: str, kind: type[LutgenError] = RecipeError
+) -> NoReturn:
+    """Raise an error in the sentence that all have."""
+    raise kind(f"{where}: {what} (got {got}); {way_out}.")
+
+
 def optional(what: str, name: str, package: str, otherwise: str) -> Any:
     """Return a module of a package that need not be there; InputError says how to get it."""
     try:
         return import_module(name)
     except ImportError as error:
-        raise InputError(
-            f"{what} needs more packages (got {error}); `pip install {package}`, or {otherwise}."
-        ) from None
+        way_out = f"`pip install {package}`, or {otherwise}"
+        reject(what, "needs more packages", error, way_out, InputError)
 
 
 def readable(message: str) -> str:

@@ -12,7 +12,7 @@ import stat
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # How the kinds of files begin that can say who made them, and what lutgen's say.  Texts have no
 # place for a mark that no reader stumbles over, and recipes are for hands: both have none.
@@ -51,9 +51,8 @@ def check_kind(path: str | os.PathLike[str]) -> None:
     except OSError:
         return
     if leads is not None:
-        raise InputError(
-            f"{path}: is a link (got one to {leads}); name the file that it leads to, or remove it."
-        )
+        what, way_out = "is a link", "name the file that it leads to, or remove it"
+        reject(path, what, f"one to {leads}", way_out, InputError)
     if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
         raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
 
@@ -81,9 +80,8 @@ def check_target(
         # Nothing there, or the writing says what is wrong.
         if not os.path.lexists(path):
             return
-    raise InputError(
-        f"{path}: is there already, without a mark that lutgen made it (got no --force); {way_out}."
-    )
+    what = "is there already, without a mark that lutgen made it"
+    reject(path, what, "no --force", way_out, InputError)
 
 
 def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> None:
@@ -118,10 +116,8 @@ def write_bytes(
         finally:
             partial.unlink(missing_ok=True)
     except OSError as error:
-        raise InputError(
-            f"{target}: {failed} (got {error.strerror or error}); "
-            "choose a folder that exists and is writable."
-        ) from error
+        what, way_out = failed, "choose a folder that exists and is writable"
+        reject(target, what, error.strerror or error, way_out, InputError)
 
 
 def digest(content: bytes) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from lutgen.errors import LutgenError, MapFileError
+from lutgen.errors import LutgenError, MapFileError, reject
 from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import COMPLETE, DIGESTS, FORMAT, ROWS
 from lutgen.mapping.seal import DEFINITION, Storage, check_seal
@@ -96,10 +96,8 @@ def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
     text, urdf = str(attributes["recipe"]), attributes.get("urdf")
     own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
     if own != held:
-        raise MapFileError(
-            f"{name}: its recipe does not match its digest (got {own[:12]} instead of "
-            f"{held[:12]!r}); the file was edited: sweep it again"
-        )
+        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {held[:12]!r}"
+        reject(name, what, got, "the file was edited: sweep it again", MapFileError)
     try:
         return parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
     except LutgenError as error:

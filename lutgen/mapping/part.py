@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.errors import MapFileError, SweepError
+from lutgen.errors import MapFileError, SweepError, reject
 from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import lay_out
 from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, sealed
@@ -100,10 +100,8 @@ class PartFile:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise SweepError(
-                f"{self.path}: another sweep is writing this file (got a lock that is held); "
-                "wait for it, or choose another output"
-            ) from None
+            what, got = "another sweep is writing this file", "a lock that is held"
+            reject(self.path, what, got, "wait for it, or choose another output", SweepError)
         except OSError as error:
             if error.errno not in NO_LOCKS:
                 raise

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.chart import Chart
-from lutgen.errors import InputError, MapFileError, optional
+from lutgen.errors import InputError, MapFileError, optional, reject
 from lutgen.grid import Axis
 from lutgen.mapping.interpolate import Place, interpolate, locate, worst
 from lutgen.mapping.seal import Storage, check_seal
@@ -129,10 +129,8 @@ class StabilityMap:
         except (OSError, KeyError, RuntimeError) as error:
             if isinstance(error, MapFileError):
                 raise
-            raise MapFileError(
-                f"{self.path}: channel {name} cannot be read (got {error}); the file is damaged: "
-                "copy it or sweep it again"
-            ) from error
+            way_out = "the file is damaged: copy it or sweep it again"
+            reject(self.path, f"channel {name} cannot be read", error, way_out, MapFileError)
 
     def _index(self, name: str) -> int:
         if name in self.channels:
@@ -208,8 +206,7 @@ class StabilityMap:
 
         InputError is raised if xarray is not installed.
         """
-        what = f"{self.path}: a Dataset"
-        xarray = optional(what, "xarray", "xarray", "take arrays from `channel`")
+        xarray = optional(self.path, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
             shown = ("units", "long_name", "flag_values", "flag_meanings")

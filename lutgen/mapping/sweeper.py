@@ -18,7 +18,7 @@ import numba
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError, MapFileError, SweepError, optional
+from lutgen.errors import InputError, MapFileError, SweepError, optional, reject
 from lutgen.files import check_kind, check_target
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
@@ -116,10 +116,9 @@ def sweep(
             raise
         # A sweep that did not begin leaves no file behind.
         on = ", then go on with `lutgen sweep --resume`" if part.exists() else ""
-        raise SweepError(
-            f"{target}: cannot be written (got {error.strerror or error}); check the path, the "
-            f"permissions and the free space{on}"
-        ) from error
+        what = "cannot be written"
+        way_out = f"check the path, the permissions and the free space{on}"
+        reject(target, what, error.strerror or error, way_out, SweepError)
     finally:
         numba.set_num_threads(before)
     return load_map(target)
@@ -131,23 +130,18 @@ def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None
     if scheduler is not None and engine != "dask":
         raise InputError(f"scheduler needs the engine dask (got {scheduler} with {engine})")
     if recipe.function is not None and engine != "local":
-        raise InputError(
-            f"{recipe.source}: a robot given by code is swept on this machine only (got the "
-            f"engine {engine}); use the engine local"
-        )
+        what = "a robot given by code is swept on this machine only"
+        reject(recipe.source, what, f"the engine {engine}", "use the engine local", InputError)
 
 
 def _part_of(target: Path) -> Path:
     """Return the path of the unfinished file; refuse what cannot or must not be written."""
     if not target.name or target.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
-        )
+        what = "cannot be written"
+        reject(target, what, "the path of a folder", "add a name such as map.h5", InputError)
     if not target.parent.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
-            "make it first"
-        )
+        what, got = "cannot be written", f"the folder {target.parent}, which does not exist"
+        reject(target, what, got, "make it first", InputError)
     part = target.with_name(target.name + ".part")
     check_kind(part)
     return part
@@ -158,7 +152,7 @@ def _dask(
     recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
 ) -> Iterator[Engine]:
     name, package = "lutgen.mapping.dask", "lutgen[cluster]"
-    there = optional("the engine dask", name, package, "use the engine local")
+    there = optional("--engine dask", name, package, "use the engine local")
     with there.connected(scheduler) as client:
         work = partial(there.compute_there, recipe=recipe, layout=layout)
         yield partial(work, client=client, threads=threads)
@@ -172,10 +166,8 @@ def _open(file: PartFile, resume: bool, force: bool) -> None:
     begun = file.begun()
     if begun and not resume and not force:
         check_target(file.path)
-        raise InputError(
-            f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
-            "--force); go on with --resume, or begin anew with --force."
-        )
+        what, got = "holds the unfinished work of a sweep", "neither --resume nor --force"
+        reject(file.path, what, got, "go on with --resume, or begin anew with --force", InputError)
     try:
         file.open(anew=not (resume and begun))
     except BaseException:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import Place, centre_of_mass, downwards
@@ -60,10 +60,9 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     if not is_above(com, placed(result, where)[0]):
         result = below
     if len(result) > MAX_CANDIDATES:
-        raise RecipeError(
-            f"{robot.source}: more than {MAX_CANDIDATES} spheres and discs lie below the centre of "
-            f"mass (got {len(result)}); name the links that touch the ground with --contact."
-        )
+        what = f"more than {MAX_CANDIDATES} spheres and discs lie below the centre of mass"
+        got = len(result)
+        reject(robot.source, what, got, "name the links that touch the ground with --contact")
     return result
 
 

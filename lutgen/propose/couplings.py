@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
-from lutgen.errors import InputError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.propose.contacts import robot_size
 from lutgen.propose.effects import effects
@@ -72,10 +72,8 @@ def chosen_motion(
     for couple in couples:
         for name in couple.joints:
             if name in taken:
-                raise InputError(
-                    f"--couple: joint {name!r} is asked for twice (got it in {couple.name!r} "
-                    "too); remove it once."
-                )
+                what = f"joint {name!r} is asked for twice"
+                reject("--couple", what, f"it in {couple.name!r} too", "remove it once", InputError)
         taken.update(couple.joints)
     proposed: list[Couple] = []
     for names in reader.among() if coupling.texts else [[*free.free]]:
@@ -176,17 +174,15 @@ class _Reader:
             if not equals:
                 continue
             if not re.fullmatch(IDENTIFIER, name) or name in RESERVED:
-                raise InputError(
-                    f"--couple: is no name of a parameter (got {name!r}); use letters, digits and "
-                    "_, a letter first, and none that a map file uses."
-                )
+                what = "is no name of a parameter"
+                way_out = "use letters, digits and _, a letter first, and none that a map file uses"
+                reject("--couple", what, f"{name!r}", way_out, InputError)
             scales: dict[str, float] = {}
             for item in items.split(","):
                 for joint, scale in self.item(text, item.strip(), scales).items():
                     if joint in scales:
-                        raise InputError(
-                            f"--couple: joint {joint!r} is named twice (got {text!r}); remove one."
-                        )
+                        what = f"joint {joint!r} is named twice"
+                        reject("--couple", what, f"{text!r}", "remove one", InputError)
                     scales[joint] = scale
             if any(name == couple.name for couple in result):
                 raise InputError(f"--couple: the name is given twice (got {text!r}); rename one.")
@@ -201,10 +197,8 @@ class _Reader:
                 found = [*self.motion.free] if text == AUTO else self.matches(text)
                 if not found:
                     known = [AUTO, *self.coupling.groups]
-                    raise InputError(
-                        f"--couple: names no joints that can move (got {text!r}); "
-                        f"{suggestion(text, known, FORMS + '; there are')}."
-                    )
+                    got, way_out = f"{text!r}", suggestion(text, known, FORMS + "; there are")
+                    reject("--couple", "names no joints that can move", got, way_out, InputError)
                 result.append(found)
         return result
 
@@ -221,10 +215,9 @@ class _Reader:
         found = self.matches(name)
         if not found:
             known = [*self.joints, *self.coupling.groups]
-            raise InputError(
-                f"--couple: there is no such joint or group, and no joint has that pattern (got "
-                f"{item!r} in {text!r}); {suggestion(name, known, 'use one of')}."
-            )
+            what = "there is no such joint or group, and no joint has that pattern"
+            got = f"{item!r} in {text!r}"
+            reject("--couple", what, got, suggestion(name, known, "use one of"), InputError)
         if sign or number:
             return dict.fromkeys(found, factor)
         first, scale = next(iter(before.items()), (found[0], 1.0))

@@ -7,7 +7,7 @@ package; an installation has a copy of it inside the package.
 from functools import cache
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 
 # A name of the gallery begins with this, and a path does not.
 GALLERY = "recipe:"
@@ -29,10 +29,8 @@ def gallery_text(name: str) -> str:
     bare = name.removeprefix(GALLERY)
     known = gallery_names()
     if bare not in known:
-        raise RecipeError(
-            f"{GALLERY}{bare}: the gallery has no recipe of this name (got {bare!r}); "
-            f"{suggestion(bare, known, 'choose from')}."
-        )
+        way_out = suggestion(bare, known, "choose from")
+        reject(f"{GALLERY}{bare}", "the gallery has no recipe of this name", repr(bare), way_out)
     return (_FOLDER / f"{bare}.toml").read_text(encoding="utf-8")
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.jit import njit
 from lutgen.parts import KINDS, Contact, Force, parents_first
 from lutgen.recipe.code import asked
@@ -58,10 +58,8 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     """
     values = _checked(recipe, params)
     if recipe.python is not None and recipe.function is None:
-        raise InputError(
-            f"{recipe.source}: the robot is given by code that was not loaded (got python = "
-            f"{recipe.python!r}); load its recipe file with allow_python"
-        )
+        what, got = "the robot is given by code that was not loaded", f"python = {recipe.python!r}"
+        reject(recipe.source, what, got, "load its recipe file with allow_python", InputError)
     if recipe.function is not None:
         own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
         com = com + recipe.com_offset
@@ -114,17 +112,15 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
     values = np.ascontiguousarray(params, dtype=np.float64)
     names = ", ".join(p.name for p in recipe.parameters)
     if values.ndim != 2 or values.shape[1] != len(recipe.parameters):
-        raise InputError(
-            f"{recipe.source}: params must have shape (m, {len(recipe.parameters)}) "
-            f"(got {values.shape}); give one row per posture with the columns: {names}."
-        )
+        what = f"params must have shape (m, {len(recipe.parameters)})"
+        way_out = f"give one row per posture with the columns: {names}"
+        reject(recipe.source, what, values.shape, way_out, InputError)
     bad = ~np.isfinite(values)
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
-        raise InputError(
-            f"{recipe.source}: parameter `{recipe.parameters[column].name}` must be finite "
-            f"(got {values[row, column]} in row {row}); pass numbers only."
-        )
+        what = f"parameter `{recipe.parameters[column].name}` must be finite"
+        got = f"{values[row, column]} in row {row}"
+        reject(recipe.source, what, got, "pass numbers only", InputError)
     return values
 
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, readable, suggestion
+from lutgen.errors import RecipeError, readable, reject, suggestion
 from lutgen.recipe.schema import PATTERNS
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -89,10 +89,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
     source = os.fspath(path)
     raw = bounds.read(source, bounds.RECIPE_BYTES)
     if raw.startswith(HDF5):
-        raise RecipeError(
-            f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
-            "`lutgen.load_map(path).recipe`."
-        )
+        what, way_out = "is no text", "the recipe inside a map is `lutgen.load_map(path).recipe`"
+        reject(source, what, "HDF5, as maps are", way_out)
     return utf8(raw, source)
 
 
@@ -102,10 +100,8 @@ def utf8(raw: bytes, source: str) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise RecipeError(
-            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
-            "save the file as UTF-8."
-        ) from None
+        what = f"line {line} is not UTF-8"
+        reject(source, what, f"byte 0x{raw[error.start]:02x}", "save the file as UTF-8")
 
 
 def read_tables(text: str, source: str, model: type[Model]) -> Model:
@@ -114,10 +110,8 @@ def read_tables(text: str, source: str, model: type[Model]) -> Model:
     try:
         values = tomllib.loads(text)
     except RecursionError:
-        raise RecipeError(
-            f"{source}: is nested too deep (got more levels than can be read); recipes have "
-            "fewer than ten."
-        ) from None
+        what = "is nested too deep"
+        reject(source, what, "more levels than can be read", "recipes have fewer than ten")
     except ValueError as error:
         # Also of a number with more digits than Python reads.
         last = f"at line {text.count(chr(10)) + 1}, the end of the file"
@@ -139,10 +133,9 @@ def _refuse_long_keys(text: str, source: str) -> None:
     for run in re.finditer(rf"[^\n,=\[\]{{}}#]{{{dots.most + 1},}}", text):
         if run[0].count(".") > dots.most:
             line = text.count("\n", 0, run.start()) + 1
-            raise RecipeError(
-                f"{source}: line {line}: a key is nested too deep (got {run[0].count('.'):,}, at "
-                f"most {dots.most:,} {dots.what}); recipes have three."
-            )
+            what = f"line {line}: a key is nested too deep"
+            got = f"{run[0].count('.'):,}, at most {dots.most:,} {dots.what}"
+            reject(source, what, got, "recipes have three")
 
 
 def path_of(parts: Sequence[int | str]) -> str:

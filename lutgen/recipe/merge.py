@@ -27,7 +27,7 @@ def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, .
     package tomlkit is not installed.
     """
     parse_recipe(text, source)
-    tomlkit = optional(f"{source}: --merge", "tomlkit", "lutgen[merge]", "write another file")
+    tomlkit = optional(source, "tomlkit", "lutgen[merge]", "write another file")
     document = tomlkit.parse(text)
     wanted = {link["name"]: link for link in tomllib.loads(fresh)["robot"].get("link", [])}
     changes: list[str] = []

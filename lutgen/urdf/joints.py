@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import parents_first
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
 from lutgen.urdf.xml import LARGEST
@@ -71,10 +71,8 @@ def soft_limited(robot: UrdfRobot) -> UrdfRobot:
         if joint.soft is not None:
             lower, upper = max(joint.lower, joint.soft[0]), min(joint.upper, joint.soft[1])
             if lower > upper:
-                raise RecipeError(
-                    f"{robot.source}: joint {joint.name!r}: its soft limits are beyond its limits "
-                    f"(got {joint.soft}); correct them, or leave --soft-limits out."
-                )
+                what = f"joint {joint.name!r}: its soft limits are beyond its limits"
+                reject(robot.source, what, joint.soft, "correct them, or leave --soft-limits out")
             joint = replace(joint, lower=lower, upper=upper)
         joints.append(joint)
     return replace(robot, joints=tuple(joints))
@@ -159,10 +157,9 @@ def _leaders(
         leader, scale, offset = result[mimic.joint]
         scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
         if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
-            raise RecipeError(
-                f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
-                f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
-            )
+            what = f"joint {name!r}: its mimics multiply beyond {LARGEST:g}"
+            got = f"{scale:g} times {leader.name!r} + {offset:g}"
+            reject(robot.source, what, got, "correct them")
         result[name] = leader, scale, offset
     coupled = {name: couple for couple in couples for name in couple.joints}
     for name, (leader, scale, offset) in result.items():
@@ -196,18 +193,14 @@ def _check_couples(
         slides = [joint for joint in moving if joint.kind == "prismatic"]
         turns = [joint for joint in moving if joint.kind in TURNING]
         if slides and turns:
-            raise RecipeError(
-                f"{robot.source}: {couple.name!r} drives joints that turn and joints that slide "
-                f"(got {turns[0].name!r}, {turns[0].kind}, and {slides[0].name!r}, prismatic); "
-                "give each kind a parameter."
-            )
+            what = f"{couple.name!r} drives joints that turn and joints that slide"
+            got = f"{turns[0].name!r}, {turns[0].kind}, and {slides[0].name!r}, prismatic"
+            reject(robot.source, what, got, "give each kind a parameter")
         low, high = ranges.get(couple.first, (0.0, 1.0))
         if not low < high and all(joint.lower < joint.upper for joint in moving):
-            raise RecipeError(
-                f"{robot.source}: the limits of {', '.join(couple.joints)} leave {couple.name!r} "
-                f"no range (got {low:g} to {high:g} rad or m); change scales and offsets, or "
-                "separate them."
-            )
+            what = f"the limits of {', '.join(couple.joints)} leave {couple.name!r} no range"
+            got = f"{low:g} to {high:g} rad or m"
+            reject(robot.source, what, got, "change scales and offsets, or separate them")
 
 
 def _alike(joint: UrdfJoint, leader: UrdfJoint) -> bool:
@@ -253,7 +246,5 @@ def _check_chosen(
         mimic = joints[name].mimic
         if mimic is not None or name not in drives or name in held:
             why = f"follows {mimic.joint!r}" if mimic else held.get(name, "is fixed")
-            raise RecipeError(
-                f"{robot.source}: joint {name!r} cannot be a parameter: it {why} "
-                f"(got the type {joints[name].kind}); choose another one."
-            )
+            what = f"joint {name!r} cannot be a parameter: it {why}"
+            reject(robot.source, what, f"the type {joints[name].kind}", "choose another one")

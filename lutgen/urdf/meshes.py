@@ -103,7 +103,7 @@ def _corners(path: Path) -> Floats:
         raise InputError("is an archive or has a document type declaration")
     otherwise = "give the contacts with --contact"
     collada, trimesh = (
-        optional("reading it", name, "lutgen[meshes]", otherwise) for name in ("collada", "trimesh")
+        optional("its reader", name, "lutgen[meshes]", otherwise) for name in ("collada", "trimesh")
     )
     try:
         with warnings.catch_warnings():

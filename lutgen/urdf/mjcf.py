@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, optional
+from lutgen.errors import RecipeError, optional, reject
 from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
@@ -52,16 +52,14 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
     refuses, or that has no body with a mass.
     """
     source = os.fspath(path)
-    mujoco = optional(f"{source}: MJCF", "mujoco", "lutgen[mjcf]", "write a URDF")
+    mujoco = optional(source, "mujoco", "lutgen[mjcf]", "write a URDF")
     before = mujoco.get_mju_user_warning()
     # Else warnings go to a file MUJOCO_LOG.TXT where the command runs.
     mujoco.set_mju_user_warning(lambda text: None)
     try:
         model = mujoco.MjModel.from_xml_path(source)
     except (ValueError, mujoco.FatalError) as error:
-        raise RecipeError(
-            f"{source}: MuJoCo cannot read it (got {quoted(error)}); correct the file."
-        ) from None
+        reject(source, "MuJoCo cannot read it", quoted(error), "correct the file")
     finally:
         mujoco.set_mju_user_warning(before)
     return _Reader(model, source).read()

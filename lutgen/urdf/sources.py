@@ -14,7 +14,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError, optional
+from lutgen.errors import InputError, RecipeError, optional, reject
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.xml import parse_xml
@@ -132,12 +132,10 @@ def load_xacro(
     text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
     other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
     if other:
-        raise RecipeError(
-            f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
-            "xacro: before its elements."
-        )
+        what = "binds xacro to another prefix"
+        reject(source, what, f"{other[1]!r}", "write xmlns:xacro, and xacro: before its elements")
     xacro, xacrodoc, finder = (
-        optional(f"{source}: xacro", name, "lutgen[xacro]", "expand the file with xacro")
+        optional(source, name, "lutgen[xacro]", "expand the file with xacro")
         for name in ("xacro", "xacrodoc", "xacrodoc.packages")
     )
     found: dict[str, Path] = dict(packages or {})
@@ -169,9 +167,7 @@ def load_xacro(
             while cause is not None and not isinstance(cause, finder.PackageNotFoundError):
                 cause = cause.__context__
             if cause is None:
-                raise RecipeError(
-                    f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
-                ) from None
+                reject(source, "cannot be expanded", quoted(error), "correct the macros")
             missing = str(cause.args[0])
         folder = known.package(missing) if missing not in found else None
         if folder is None:

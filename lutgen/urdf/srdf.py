@@ -12,7 +12,7 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
-from lutgen.errors import InputError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
 from lutgen.urdf.xml import Elements, parse_xml
 
@@ -73,10 +73,8 @@ def standing_posture(
     raised for a name without such a posture.
     """
     if srdf is None and name is not None:
-        raise InputError(
-            f"--posture: there is no SRDF file beside {robot.source} (got {name!r}); "
-            "give one with --srdf, or joints with -p."
-        )
+        what, got = f"there is no SRDF file beside {robot.source}", f"{name!r}"
+        reject("--posture", what, got, "give one with --srdf, or joints with -p", InputError)
     values: dict[str, float] = {}
     words = "joints at zero, or at their limit nearest to it"
     if srdf is None:

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from lutgen import bounds
-from lutgen.errors import RecipeError
+from lutgen.errors import RecipeError, reject
 from lutgen.vector import Vector
 
 MAX_NAME = 200
@@ -26,10 +26,8 @@ def parse_xml(content: bytes, source: str) -> Element:
     builder, parser = TreeBuilder(), expat.ParserCreate()
 
     def doctype(name: str, *_: object) -> None:
-        raise RecipeError(
-            f"{source}: line {parser.CurrentLineNumber}: has a document type declaration (got "
-            f"<!DOCTYPE {name[:40]}); remove it."
-        )
+        what = f"line {parser.CurrentLineNumber}: has a document type declaration"
+        reject(source, what, f"<!DOCTYPE {name[:40]}", "remove it")
 
     parser.StartDoctypeDeclHandler = doctype
     parser.StartElementHandler = builder.start
@@ -54,7 +52,7 @@ class Elements:
         """Refuse an element."""
         shown = repr(got)
         shown = shown if len(shown) <= 80 else shown[:77] + "..."
-        raise RecipeError(f"{self.source}: {where}: {what} (got {shown}); {way_out}.")
+        reject(f"{self.source}: {where}", what, shown, way_out)
 
     def name(self, element: Element) -> str:
         """Return the name of the robot, a link or a joint."""
