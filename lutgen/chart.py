@@ -1,8 +1,7 @@
 """Charts of the sphere of gravity directions: direction <-> (face, u, v).
 
 Face coordinates are gnomonic, u = g[a] / |g[c]| and v = g[b] / |g[c]| without any
-change of sign, with (c, a, b) of the face table below.  This file knows nothing of
-robots or files.
+change of sign, with (c, a, b) of the face table below.
 """
 
 import math

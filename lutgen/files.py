@@ -1,7 +1,4 @@
-"""Write files that are either whole or not there, and replace only what lutgen has made.
-
-A file is written under a temporary name and renamed.  A full disk and a bad path are one sentence.
-"""
+"""Write files that are either whole or not there, and replace only what lutgen has made."""
 
 import csv
 import hashlib

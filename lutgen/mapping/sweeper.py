@@ -1,8 +1,4 @@
-"""Sweep a recipe: compute every posture and direction, block by block, into a map file.
-
-Numbers come from `compute`, the file from `part`; here is the run: which blocks are still to be
-computed, where, progress, interruption and resumption.
-"""
+"""Sweep a recipe: compute every posture and direction, block by block, into a map file."""
 
 import contextlib
 import os

@@ -1,7 +1,4 @@
-"""Which joints of a description become parameters, and which of them one parameter drives.
-
-Those asked for with `--joint` and `--couple`, or those that matter.
-"""
+"""Choose which joints become parameters, and which of them one parameter drives."""
 
 import re
 from collections.abc import Mapping, Sequence

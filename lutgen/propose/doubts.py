@@ -1,7 +1,4 @@
-"""Find likely mistakes in a description, which may make its robot less stable than it is told.
-
-Nothing is refused or changed for a doubt: each is a sentence that names a link or joint.
-"""
+"""Find likely mistakes in a description, which may make its robot less stable than it is told."""
 
 import math
 from collections.abc import Mapping, Sequence

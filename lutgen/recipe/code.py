@@ -1,7 +1,4 @@
-"""Robots given by code: ``[robot] python = "module:function"``.
-
-Loading such a recipe runs code, so it happens only when the caller allows it.
-"""
+"""Robots given by code: ``[robot] python = "module:function"``."""
 
 import importlib
 import importlib.machinery

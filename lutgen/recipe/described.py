@@ -1,7 +1,4 @@
-"""Robots given by a robot description: ``[robot] urdf = "robot.urdf"``.
-
-A recipe may name a file beside it, and joints of it as parameters.
-"""
+"""Robots given by a robot description: ``[robot] urdf = "robot.urdf"``."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""Text into the models of `schema`: every fault at once, each in a sentence of ours.
-
-The sentences are about files that are not TOML, and about keys of a wrong type or value.
-"""
+"""Text into the models of `schema`: every fault at once, each in a sentence of ours."""
 
 import json
 import os

@@ -1,7 +1,4 @@
-"""Bring an edited recipe up to date with the robot description that it came from.
-
-Links are taken from the description, everything else from the recipe.
-"""
+"""Bring an edited recipe up to date with the robot description that it came from."""
 
 import tomllib
 from typing import Any

@@ -1,8 +1,4 @@
-"""Every key of a recipe, once: its type, unit, interval, meaning and an example.
-
-The parser, the JSON Schema and the tables of the reference come from these models.  Rules
-about several keys are in `rules`.
-"""
+"""Every key of a recipe, once: its type, unit, interval, meaning and an example."""
 
 import math
 from typing import Annotated, Any, Literal

@@ -1,7 +1,4 @@
-"""The links of a robot description as a recipe has them, and where they are.
-
-One conversion for recipes that name a description and for recipes written from one.
-"""
+"""The links of a robot description as a recipe has them, and where they are."""
 
 from collections.abc import Mapping
 

@@ -1,7 +1,4 @@
-"""Postures of a robot description: named in an SRDF file beside it, or given joint by joint.
-
-Values in rad or m.
-"""
+"""Postures of a description (rad, m): named in an SRDF file beside it, or given joint by joint."""
 
 import math
 import os
