@@ -16,10 +16,10 @@ from lutgen.errors import InputError
 STANDARD_GRAVITY = 9.80665
 
 # Normal axis c, its sign, and the axes a (u) and b (v) of the faces -z, +x, -x, +y, -y, +z.
-FACE_NORMAL = (2, 0, 0, 1, 1, 2)
-FACE_SIGN = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0)
-FACE_U = (0, 1, 1, 0, 0, 0)
-FACE_V = (1, 2, 2, 2, 2, 1)
+FACE_NORMAL = np.array([2, 0, 0, 1, 1, 2])
+FACE_SIGN = np.array([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
+FACE_U = np.array([0, 1, 1, 0, 0, 0])
+FACE_V = np.array([1, 2, 2, 2, 2, 1])
 
 # Directions that are normalised together: along columns that fit into the cache NumPy is four times
 # as fast as along rows of three.
@@ -118,35 +118,21 @@ class Chart:
     ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """Find the face of each direction (m, 3), of any length above 0, and the place on it.
 
-        Returns
-        -------
-        face : (m,) intp
-            The face that the largest component points to; of equal components the
-            lower face number wins, so a seam belongs to one face.
-        u, v : (m,) float64
-            Face coordinates; NaN for the cone where gravity has no component along -z.
-        inside : (m,) bool
-            Whether the chart covers the direction; always true for the sphere.
+        Returns the face (m,) that the largest component points to, of equal ones the lower number,
+        so that a seam belongs to one face; its coordinates u and v (m,), NaN for the cone where
+        gravity has no component along -z; and whether the chart covers the direction (m,).
         """
         down = unit_directions(gravity_dir)
         if down.ndim != 2:
             raise InputError(
                 f"gravity_dir must have shape (m, 3) (got {down.shape}); pass rows of x, y, z."
             )
-        if self.kind == "sphere":
-            along = np.stack(
-                [s * down[:, c] for c, s in zip(FACE_NORMAL, FACE_SIGN, strict=True)], axis=1
-            )
-            face = along.argmax(axis=1).astype(np.intp)
-        else:
-            face = np.zeros(len(down), dtype=np.intp)
-        row = np.arange(len(down))
-        depth = down[row, np.take(FACE_NORMAL, face)] * np.take(FACE_SIGN, face)
-        depth = np.where(depth > 0.0, depth, np.nan)
+        along = down[:, FACE_NORMAL[: self.faces]] * FACE_SIGN[: self.faces]
+        row, face = np.arange(len(down)), along.argmax(axis=1)
+        depth = np.where(along[row, face] > 0.0, along[row, face], np.nan)
         # A direction a hair below the horizon may overflow to infinity: not inside.
         with np.errstate(over="ignore"):
-            u = down[row, np.take(FACE_U, face)] / depth
-            v = down[row, np.take(FACE_V, face)] / depth
+            u, v = down[row, FACE_U[face]] / depth, down[row, FACE_V[face]] / depth
         rim = self.limit * (1.0 + _RIM) if self.nodes > 1 else _RIM
         inside = (np.abs(u) <= rim) & (np.abs(v) <= rim)
         u = np.where(inside, np.clip(u, -self.limit, self.limit), u)

@@ -180,17 +180,11 @@ def njit(
 
     With ``NUMBA_DISABLE_JIT=1`` in the environment the function stays plain Python.
 
-    Parameters
-    ----------
-    inline : bool
-        Whether the function is always inlined.  Worth it for small functions that take
-        arrays: each array argument is seven machine words, each table of arrays dozens.
-    exact : bool
-        Whether every operation is rounded by itself, as it is written: predicates must say the
-        same wherever they are used.
-    bare : bool
-        Whether the function makes no array and returns none.  References to its arrays are then
-        not counted, which for ten arrays takes longer than a short kernel's work.
+    One that is `inline` is so always: worth it for small functions that take arrays, of which each
+    argument is seven machine words.  In an `exact` one every operation is rounded by itself, as it
+    is written: predicates must say the same wherever they are used.  A `bare` one makes no array
+    and returns none; references to its arrays are then not counted, which for ten arrays takes
+    longer than a short kernel's work.
     """
 
     def compile_later(function: _Function) -> _Function:

@@ -54,30 +54,18 @@ def import_urdf(
     meshes: Meshes | None = None,
     coupling: Coupling | None = None,
 ) -> Imported:
-    """Turn a description into a recipe.
+    """Turn a description (m) into a recipe.
+
+    The links named in `contacts` touch the ground with their collision shapes, and so do those that
+    are `given`, in the frames of links; without either, the shapes near the ground at rest.  The
+    `joints` become parameters, and what `coupling` says; without either, all that move a contact,
+    or the com by more than 0.5 % of the robot's size, coupled where they are more than 10.
+    `posture` has joints at rest, rad or m, else 0 or their limit nearest to it: the recipe's
+    `home`, and where joints that are no parameters stand.  `meshes` opens the meshes, to find
+    wheels and feet in them.
 
     RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
     contacts.
-
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description; lengths in m.
-    contacts : sequence of str, optional
-        Links whose collision shapes touch the ground.  None: if `given` is empty, the shapes near
-        the ground at rest, else none.
-    given : sequence of Contact
-        Contacts in the frames of the description's links.
-    joints : sequence of str, optional
-        Joints that become parameters, each by itself; None for all that move a contact, or the
-        com by more than 0.5 % of the robot's size, coupled where they are more than 10.
-    posture : mapping of str to float, optional
-        Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
-        `home`, and where joints that are no parameters stand.
-    meshes : Meshes, optional
-        Opens the meshes, to find wheels and feet in them; None leaves them closed.
-    coupling : Coupling, optional
-        Which joints one parameter drives.
     """
     require_mass(robot)
     motion = read_motion(robot, joints, posture)

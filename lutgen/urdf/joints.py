@@ -86,20 +86,11 @@ def read_motion(
 ) -> Motion:
     """Sort the joints; RecipeError is raised for what cannot be free, or not together.
 
-    A parameter of 360 deg or more, or without limits, has -180 to 180 deg; the limits of all joints
-    that it drives, and of those that mimic them, bound it.
-
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    chosen : sequence of str, optional
-        The free joints beside those of `couples`; None for all that can be.
-    posture : mapping of str to float, optional
-        Values at rest (rad or m), or the limits nearest to them; 0 for joints that it does not
-        name.  Those of joints that mimic others do not count.
-    couples : sequence of Couple, optional
-        Joints that one parameter drives, each joint at most once.
+    Free are those `chosen`, or all that can be, beside those of `couples`, each joint at most once.
+    `posture` has values at rest (rad or m), or the limits nearest to them; 0 for joints that it
+    does not name, and nothing for those that mimic others.  A parameter of 360 deg or more, or
+    without limits, has -180 to 180 deg; the limits of all joints that it drives, and of those that
+    mimic them, bound it.
     """
     posture = posture or {}
     leaders = _leaders(robot, couples)
