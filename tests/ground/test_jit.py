@@ -170,14 +170,6 @@ def test_all_that_a_kernel_reads_is_in_files_that_the_digest_covers(package):
     assert unseen(ROOT, package) == []
 
 
-def test_a_constant_from_a_file_without_kernels_would_be_found(house, tmp_path):
-    (house / "numbers.py").write_text("STEP = 2\n")
-    path = house / "near" / "codec.py"
-    text = "from house.numbers import STEP\nHALF = STEP / 2\n" + path.read_text()
-    path.write_text(text.replace("10.0 *", "HALF *"))
-    assert unseen(tmp_path, "house") == ["house/near/codec.py reads STEP"]
-
-
 def test_work_is_shared_among_threads():
     before = numba.get_num_threads()
     done = np.zeros(1000)

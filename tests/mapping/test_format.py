@@ -1,11 +1,8 @@
 """What is in a map file, for us and for others."""
 
-import builtins
 import subprocess
-import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -156,19 +153,3 @@ def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:
     exact = lutgen.evaluate(recipe, params, [[0, 0, -1]], ALL_CHANNELS)
     for name in ALL_CHANNELS:
         assert float(level[name]) == pytest.approx(exact[name][0, 0], rel=1e-6)  # float32
-
-
-def test_without_xarray_a_dataset_is_refused_with_a_way_out(
-    swept: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real = builtins.__import__
-
-    def without(name: str, *rest: Any) -> Any:
-        if name == "xarray":
-            raise ImportError("No module named 'xarray'")
-        return real(name, *rest)
-
-    monkeypatch.delitem(sys.modules, "xarray")
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(InputError, match=r"needs the package xarray .*pip install xarray"):
-        lutgen.load_map(swept / "cone.h5").to_xarray()
