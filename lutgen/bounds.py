@@ -77,13 +77,7 @@ def short_enough(content: bytes, source: str, bound: Bound) -> bytes:
 
 
 def shown(value: int) -> str:
-    """Return a whole number for a message, a long one as its length.
-
-    Examples
-    --------
-    >>> shown(12345), shown(10**40)
-    ('12,345', 'a number of 41 digits')
-    """
+    """Return a whole number for a message, a long one as its length."""
     if abs(value) < 10**_SHOWN:
         return f"{value:,}"
     # Python refuses to print the longest; 0.30103 is log10 of 2.

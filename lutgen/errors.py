@@ -67,13 +67,7 @@ def readable(message: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line that a terminal may show, whatever its names hold.
-
-    Examples
-    --------
-    >>> one_line("a" + chr(10) + "b") == "a" + chr(92) + "nb"
-    True
-    """
+    """Return a text as one line that a terminal may show, whatever its names hold."""
     return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 

@@ -41,12 +41,6 @@ class Grid:
     """The ordered axes of a map; nodes are numbered in C order, last axis fastest.
 
     Without any axis it has one node.
-
-    Examples
-    --------
-    >>> grid = Grid((Axis("a", "rad", [0.0, 1.0]), Axis("b", "m", [5.0, 6.0, 7.0])))
-    >>> grid.shape, grid.size, grid.params([1, 3]).tolist()
-    ((2, 3), 6, [[0.0, 6.0], [1.0, 5.0]])
     """
 
     axes: tuple[Axis, ...]

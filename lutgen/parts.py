@@ -56,10 +56,7 @@ class Parameter:
         return to_internal(values, self.display_unit)
 
     def require(self, values: Any, where: str, low: float, high: float) -> None:
-        """Refuse values (m,) below `low` or above `high`, all in rad or length.
-
-        `where` is the file that has these limits.
-        """
+        """Refuse values (m,) below `low` or above `high`, limits (rad or length) of `where`."""
         # Angles in deg round when they become rad.
         slack = ROUNDING * max(high - low, abs(low), abs(high))
         inside = (low - slack <= values) & (values <= high + slack)

@@ -143,13 +143,7 @@ EXPORTABLE = tuple(
 
 
 def wanted(names: Iterable[str]) -> tuple[bool, ...]:
-    """Return for each of `CHANNELS` whether it is among the names; refuse an unknown name.
-
-    Examples
-    --------
-    >>> wanted(["sdg", "tip_angle"])
-    (True, False, True, False, False, False, False)
-    """
+    """Return for each of `CHANNELS` whether it is among the names; refuse an unknown name."""
     asked = tuple(names)
     for name in asked:
         if name not in QUANTITIES:

@@ -13,14 +13,7 @@ Place = tuple[NDArray[np.intp], NDArray[np.float64]]
 
 
 def locate(knots: NDArray[np.float64], values: NDArray[np.float64]) -> Place:
-    """Return the cells of values (m,) and the places in them; what is beyond an end is at it.
-
-    Examples
-    --------
-    >>> index, frac = locate(np.array([0.0, 0.5, 2.0]), np.array([0.25, 2.0, 9.0]))
-    >>> index.tolist(), frac.tolist()
-    ([0, 1, 1], [0.5, 1.0, 1.0])
-    """
+    """Return the cells of values (m,) and the places in them; what is beyond an end is at it."""
     if len(knots) == 1:
         return np.zeros(len(values), np.intp), np.zeros(len(values))
     index = np.clip(np.searchsorted(knots, values, side="right") - 1, 0, len(knots) - 2)

@@ -48,9 +48,9 @@ def chosen_motion(
     """Return which joints are parameters or share one, and why any are coupled unasked.
 
     `joints` become parameters each by itself; `coupling` says what is coupled, or among which
-    joints a grouping is proposed.  Without both: all that matter, coupled where they are more than
-    10.  InputError is raised for what cannot be read, and for a joint that is asked for twice;
-    RecipeError for joints that cannot be free, or not together.
+    joints a grouping is proposed.  Without both: all that matter, coupled if more than 10.
+    InputError is raised for what cannot be read, or is asked for twice, RecipeError for joints that
+    cannot be free, or not together.
     """
     coupling = coupling or Coupling()
     if joints is not None and not coupling.texts:
@@ -153,10 +153,9 @@ def _at_rest(name: str, scales: Mapping[str, float], motion: Motion, why: str) -
 
 
 class _Reader:
-    """Reads the texts of `--couple` for one robot; a fault raises InputError.
+    """Reads the texts of `--couple`; a fault raises InputError.
 
-    `motion` has all joints that can be free, each by itself; by `limbs` the signs of joints are
-    found that a pattern or group has.
+    `motion` has all joints that can be free, each by itself; `limbs` know their signs.
     """
 
     def __init__(self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling) -> None:

@@ -31,9 +31,8 @@ from lutgen.urdf.shapes import TOUCHING, used_shapes
 class Imported:
     """A recipe's text, the recipe, and sentences on what the description has besides.
 
-    `guessed` has one for each wheel and foot that was recognised in a mesh or its looks.
-    `couples` has the joints and scales of each parameter that drives several, and `because` why
-    they are coupled unasked, empty where they are not.  `warnings` are about likely mistakes.
+    `guessed` has one for each wheel and foot that was recognised; `couples` has joints and scales
+    of each parameter that drives several, and `because` why unasked; `warnings` are of mistakes.
     """
 
     text: str

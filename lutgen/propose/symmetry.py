@@ -52,11 +52,7 @@ class Limb(NamedTuple):
 
 
 class Limbs:
-    """The limbs of a robot with its contacts, and how they correspond.
-
-    `zero` and `rest` have the places of all links with joints at zero, or at their limit nearest to
-    it, and standing.
-    """
+    """The limbs of a robot, by its links' places with joints at zero and standing (`rest`)."""
 
     def __init__(
         self,

@@ -38,12 +38,11 @@ def read_description(source: str, name: str) -> str:
 def links_and_shapes(
     robot: Robot, parameters: tuple[Parameter, ...], content: str, source: str
 ) -> tuple[tuple[Link, ...], dict[int, list[Contact]]]:
-    """Return the links of a recipe's description, and the shapes that its contacts stand for.
+    """Return the links of a recipe's description, and the shapes of contacts without a position.
 
-    Each parameter is the joint that its `joint` key names, or the one of its own name, or drives
-    those of its `drive`, within the limits of these; joints that are none stand at zero or at their
-    limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are
-    all, under their own names, m and kg; the shapes are those of contacts without a position.
+    Each parameter is the joint of its `joint` key or its own name, or drives those of its `drive`,
+    within their limits; all others stand at zero or at their limit nearest to it, and joints that
+    mimic one follow it.  The links are all, under their own names, m and kg.
     """
     described = parse_urdf(content, f"{source}: {robot.urdf}")
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
@@ -128,11 +127,10 @@ def _shape_faults(
 
 
 def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
-    """Return what is known of the body above the contacts, named after its links.
+    """Return what is known of the body above the contacts, in its links' frames, length unit.
 
-    The centre of mass of every link that has a mass, as a point: it lies inside of what the link
-    is.  With a description also the spheres, cylinders and boxes of links that carry no contact,
-    but no meshes.  In the links' frames, the recipe's length unit; none of a robot given by code.
+    The com of every link that has a mass, as a point inside of what the link is, and the spheres,
+    cylinders and boxes of a description's links that carry no contact; none of a robot by code.
     """
     if recipe.python is not None:
         return ()

@@ -127,10 +127,7 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
 def within_limits(
     recipe: Recipe, params: ArrayLike, ends: Sequence[tuple[float, float]] | None = None
 ) -> Floats:
-    """Return params as `forward` takes them.
-
-    InputError is raised for one beyond its `ends`, which are the parameters' limits by default.
-    """
+    """Return params as `forward` takes them, if within `ends`, by default the parameters' limits."""
     values = _checked(recipe, params)
     ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
     for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
@@ -231,10 +228,9 @@ def _place(
     turn: Floats,
     where: Floats,
 ) -> None:
-    """Write rotation and origin of one link in the body frame to `turn` and `where`.
+    """Write rotation and origin of a link in the body frame, after those of its parent.
 
-    `turn` has two matrices more than there are links, as scratch; the parent's rows must have been
-    written.
+    `turn` has two matrices more than there are links, as scratch.
     """
     here, axis = turn[link], motion[link, 3:6]
     above, joint = tree_link[link, 0], tree_link[link, 1]

@@ -198,13 +198,7 @@ def below(annotation: Any) -> type[BaseModel] | None:
 
 
 def toml(value: object) -> str:
-    """Return a value as TOML has it.
-
-    Examples
-    --------
-    >>> toml({"lift": [1, 0.5], "up": True})
-    '{ lift = [1, 0.5], up = true }'
-    """
+    """Return a value as TOML has it."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {toml(one)}" for name, one in value.items()) + " }"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

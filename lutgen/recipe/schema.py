@@ -316,10 +316,5 @@ def recipe_schema() -> dict[str, Any]:
 
     It knows keys, types and intervals.  What keys demand of each other, such as that a name is that
     of a link, only `parse_recipe` refuses.
-
-    Examples
-    --------
-    >>> recipe_schema()["$defs"]["Robot"]["properties"]["friction"]["examples"]
-    [0.6]
     """
     return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

@@ -54,9 +54,9 @@ class Mimic:
 class UrdfJoint:
     """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
 
-    `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
-    are infinite where the description sets no limit; `effort` is the greatest of its motor, None
-    where it is not said, and `soft` has the limits of a controller.
+    `kind` is one of ``JOINT_KINDS``; `lower` and `upper` (rad or m) are infinite where there is no
+    limit; `effort` is the greatest of its motor, None where it is not said, and `soft` has the
+    limits of a controller.
     """
 
     name: str
@@ -77,9 +77,9 @@ class UrdfJoint:
 class UrdfRobot:
     """A checked description: a tree of links under `root`.
 
-    `links` and `joints` are in the order of the file; `ignored` counts the other children of
-    <robot> by their tag; `rounded` has the angles whose digits were taken for parts of a turn, as
-    they are printed; `unknown` counts elements and attributes that the format does not have.
+    `links` and `joints` are in the order of the file; `ignored` counts other children of <robot>;
+    `rounded` has the angles, as printed, that were taken for parts of a turn; `unknown` counts
+    elements and attributes that the format does not have.
     """
 
     name: str
