@@ -127,7 +127,7 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
 def within_limits(
     recipe: Recipe, params: ArrayLike, ends: Sequence[tuple[float, float]] | None = None
 ) -> Floats:
-    """Return params as `forward` takes them, if within `ends`, by default the parameters' limits."""
+    """Return params as `forward` takes them, if within `ends`, or the parameters' limits."""
     values = _checked(recipe, params)
     ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
     for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
