@@ -20,16 +20,15 @@ LEG = """
 [robot]
 name = "leg"
 length_unit = "m"
-[[robot.parameter]]
-name = "reach"
-min = 0.0
-max = 1.0
-unit = "m"
-[[robot.parameter]]
-name = "hip"
-min = -90.0
-max = 90.0
-unit = "deg"
+parameter = [
+    { name = "reach", min = 0.0, max = 1.0, unit = "m" },
+    { name = "hip", min = -90.0, max = 90.0, unit = "deg" },
+]
+contact = [
+    { name = "foot", link = "shin", position = [3, 0, 0] },
+    { name = "wheel", link = "thigh", position = [0, 0, 0], radius = 0.5, axis = [1, 0, 0] },
+    { name = "ball", link = "body", position = [-1, 0, 0], radius = 0.25 },
+]
 [[robot.link]]
 name = "shin"
 parent = "thigh"
@@ -46,21 +45,6 @@ com = [4, 0, 0]
 name = "body"
 mass = 3.0
 com = [0, 0, 1]
-[[robot.contact]]
-name = "foot"
-link = "shin"
-position = [3, 0, 0]
-[[robot.contact]]
-name = "wheel"
-link = "thigh"
-position = [0, 0, 0]
-radius = 0.5
-axis = [1, 0, 0]
-[[robot.contact]]
-name = "ball"
-link = "body"
-position = [-1, 0, 0]
-radius = 0.25
 """
 
 
