@@ -7,10 +7,11 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
+from lutgen.errors import InputError, LutgenError, RecipeError, reject
 from lutgen.parts import Parameter
 from lutgen.recipe.load import fail
 from lutgen.recipe.schema import MAX_CONTACTS
@@ -35,7 +36,8 @@ def load_function(
     if not callable(function):
         refuse(f"module has no function {function_name}", name, "check the name")
     middle = np.array([[(p.minimum + p.maximum) / 2.0 for p in parameters]])
-    contacts, _ = asked(source, function, middle.reshape(1, len(parameters)))
+    middle = middle.reshape(1, len(parameters))
+    contacts, _ = asked(source, function, middle, kind=RecipeError)
     if not 3 <= contacts.shape[1] <= MAX_CONTACTS:
         what = f"must return 3 to {MAX_CONTACTS} contacts"
         refuse(what, contacts.shape[1], "return those that can touch the ground")
@@ -43,21 +45,28 @@ def load_function(
 
 
 def asked(
-    source: str, function: Callable[..., Any], values: Floats, count: int | str = "n"
+    source: str,
+    function: Callable[..., Any],
+    values: Floats,
+    count: int | str = "n",
+    kind: type[LutgenError] = InputError,
 ) -> tuple[Floats, Floats]:
     """Return contacts (m, n, 3) and com (m, 3) as a function has them for parameters (m, k)."""
-    refuse, rows = partial(fail, source, "robot.python"), len(values)
-    result = function(values)
+
+    def refuse(what: str, got: object, way_out: str) -> NoReturn:
+        reject(f"{source}: key `robot.python`", what, got, way_out, kind)
+
+    rows, result = len(values), function(values)
     if not isinstance(result, tuple) or len(result) != 2:
-        kind = type(result).__name__
-        refuse("must return contacts and com", kind, "return a tuple of two arrays")
+        got = type(result).__name__
+        refuse("must return contacts and com", got, "return a tuple of two arrays")
     contacts, com = (np.asarray(part, dtype=np.float64) for part in result)
     shape = (rows, contacts.shape[1] if count == "n" and contacts.ndim == 3 else count, 3)
     if contacts.shape != shape or com.shape != (rows, 3):
         what = f"must return contacts ({rows}, {count}, 3) and com ({rows}, 3)"
         refuse(what, [contacts.shape, com.shape], "check the shapes")
     if not (np.isfinite(contacts).all() and np.isfinite(com).all()):
-        refuse("returns NaN or infinity", values.tolist(), "correct the function")
+        refuse("must return finite numbers", "NaN or infinity", "correct the function")
     return contacts, com
 
 
