@@ -30,12 +30,7 @@ def codec(name: str) -> Codec:
 def usable(model: Model, arithmetic: str, name: str = "auto") -> list[Codec]:
     """Return the codecs that can hold a robot, in the order to try them.
 
-    Raises
-    ------
-    InputError
-        For names that are not known.
-    ExportError
-        If none can, with the reason of each.
+    InputError is raised for names that are not known, ExportError if none can, with the reasons.
     """
     if arithmetic not in ARITHMETIC:
         raise InputError(

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import (
+from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import (
     POINTS,
     SEED,
     Certificate,
     Effort,
     certify,
-    device,
     put_to_test,
 )
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
@@ -300,10 +300,11 @@ def examine(
     export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
 ) -> Certificate:
     """Certify one export."""
+    asked = device(export)
     if export.tables.tested:
-        return put_to_test(device(export), export.channels, bound, points, seed)
+        return put_to_test(asked, export.channels, bound, points, seed)
     cells, effort = export.tables.cells(export.model), Effort.of(points)
-    return certify(device(export), export.channels, cells, bound, effort, seed, trials.jumps)
+    return certify(asked, export.channels, cells, bound, effort, seed, trials.jumps)
 
 
 def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:

@@ -95,13 +95,7 @@ class Design(NamedTuple):
 
 
 def design(model: Model, wishes: Wishes) -> Design:
-    """Return the policy of a robot, and what it loses.
-
-    Raises
-    ------
-    InputError
-        For a robot that has nothing to move, and wishes that mean nothing.
-    """
+    """Return the policy of a robot, and what it loses; refuse wishes that mean nothing."""
     _refuse(model, wishes)
     parameters, n = model.recipe.parameters, wishes.nodes
     # A move of one (rad) of each parameter: of a length, its axis.

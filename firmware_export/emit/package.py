@@ -163,30 +163,11 @@ def write(
     tell: Callable[[str], None] | None = None,
     force: bool = False,
 ) -> dict[str, Any]:
-    """Write an export folder; an earlier export there is replaced.
+    """Write an export folder, after an earlier one there; return the content of NAME_report.json.
 
-    Parameters
-    ----------
-    export : Export
-        What to write.
-    directory : path
-        See `check_directory`.
-    tell : callable, optional
-        What is written is first compiled and run, and this is called with what came of it.
-    force : bool
-        Whether files that lutgen did not make, or that were edited, may be replaced.
-
-    Returns
-    -------
-    dict
-        The content of NAME_report.json.
-
-    Raises
-    ------
-    InputError
-        For a folder that `check_directory` refuses, or that holds another robot's export.
-    ExportError
-        If it does not compile or run, or cannot be written.
+    With `tell` what is written is first compiled and run, and `tell` is called with what came of
+    it. Refused are folders as by `check_directory`, those of another robot's export unless `force`,
+    and, with an ExportError, what does not compile or run, or cannot be written.
     """
     path = check_directory(directory, force)
     for _, found in _reports(path):

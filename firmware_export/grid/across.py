@@ -25,14 +25,8 @@ MOST, AT_ONCE = 200_000, 20_000
 def turned(model: Model, order: tuple[int, int, int], points: tuple[Point, ...]) -> float:
     """Return how far (rad) an arc is above its stored plane at most; pi where there is no plane.
 
-    Parameters
-    ----------
-    model : Model
-        Its box is what sensors may say (`widened`).
-    order : tuple of int
-        The recipe's contacts in the order of the tables.
-    points : tuple of Point
-        The tables.
+    The model's box is what sensors may say (`widened`); `order` has the recipe's contacts in the
+    order of the tables.
     """
     nodes = np.ones(model.k, np.intp)
     for one in points:

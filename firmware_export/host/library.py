@@ -7,6 +7,9 @@ import ctypes
 import hashlib
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from lutgen.errors import ExportError
 
@@ -19,13 +22,7 @@ WAY_OUT = (
 
 @cache
 def load_library() -> ctypes.CDLL:
-    """Return the library.
-
-    Raises
-    ------
-    ExportError
-        If it was not built, or from other files.
-    """
+    """Return the library; ExportError is raised if it was not built, or from other files."""
     path = RUNTIME / NAME
     if not path.is_file():
         raise ExportError(
@@ -44,6 +41,17 @@ def load_library() -> ctypes.CDLL:
             f"{built[:12]}); {WAY_OUT}"
         )
     return loaded
+
+
+def call(name: str, *given: Any) -> int:
+    """Call a function that returns a status, if anything; arrays are given by address."""
+    passed = [
+        ctypes.c_void_p(None if one is None else one.ctypes.data)
+        if one is None or isinstance(one, np.ndarray)
+        else one
+        for one in given
+    ]
+    return ctypes.c_int8(getattr(load_library(), name)(*passed)).value
 
 
 def sources_digest() -> str:

@@ -119,26 +119,10 @@ class Codec(ABC):
 class Export:
     """A map's tables, chosen and certified, before it becomes C.
 
-    Parameters
-    ----------
-    name : str
-        C identifier of the descriptor, and the stem of the files.
-    recipe : Recipe
-        The robot, its parameters and chart.
-    model : Model
-        The exact function that the tables stand for.
-    codec, arithmetic : str
-        ``"contacts"`` or ``"grid"``; ``"float"`` or ``"integer"``.
-    channels : tuple of str
-        Subset of `quantities.EXPORTABLE`, in that order.
-    tables : Tables
-        The codec's tables.
-    certificate : dict, optional
-        What was measured, see `certify.Certificate`; each key may be absent.
-    pareto : list of dict, optional
-        Candidates that the choice was made from, see `choose.front`.
-    policy : Policy, optional
-        What on-board control follows; None for an export that is only read.
+    `name` is the C identifier and the stem of the files, `model` the exact function that the tables
+    stand for, `channels` a part of `quantities.EXPORTABLE` in that order.  `certificate` is what
+    was measured, see `certify.Certificate` (each key may be absent), `pareto` the candidates of the
+    choice, see `choose.front`; `policy` is None for an export that is only read.
     """
 
     name: str

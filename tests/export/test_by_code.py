@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.certify import Effort, certify
 from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import Effort, certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.lines import find_break, find_jump

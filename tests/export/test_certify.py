@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from firmware_export.certify import Certificate, Effort, certify, span_of
-from firmware_export.certify.answers import Read, Reader, truth
+from firmware_export.certify.answers import Read, Reader, span_of, truth
 from firmware_export.certify.attack import climb, sdg_error
+from firmware_export.certify.certificate import Certificate, Effort, certify
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth.model import Model

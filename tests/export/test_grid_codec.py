@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.certify import put_to_test
 from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import put_to_test
 from firmware_export.exporter import Asked, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
