@@ -20,8 +20,6 @@ from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
 
-__all__ = ["KNEE", "Candidate", "Goal", "Trials", "choose", "front"]
-
 SEED, POINTS = 501, 15_000
 # Percent: what is aimed at when nothing is asked for.
 KNEE = ErrorBound(1.0, relative=True)

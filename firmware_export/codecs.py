@@ -6,8 +6,6 @@ from firmware_export.protocol import Codec
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
 
-__all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
-
 # In the order in which they are tried: the first are smallest for what they can hold.
 CODECS = (CONTACTS, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")

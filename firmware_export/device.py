@@ -13,8 +13,6 @@ from lutgen.errors import InputError, LutgenError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, parse_recipe
 
-__all__ = ["ExportFolder"]
-
 # smap_status_t by its numbers.
 STATUS = ("OK", "ROCKS", "TIPS", "OFF_CHART", "OFF_RANGE", "CORRUPT", "INVALID")
 

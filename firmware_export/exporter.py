@@ -28,8 +28,6 @@ from lutgen.mapping import TO_STAND, StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
-__all__ = ["Asked", "Report", "certified", "export"]
-
 log = logging.getLogger("lutgen")
 
 # Certificates that may refuse a choice before the search is given up.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.certify.answers import Measured, Needs, Reader, Witness
-from firmware_export.truth import Sample, boundary, on_chart, unit
+from firmware_export.truth import Sample, cross_boundary, on_chart, unit
 from lutgen.vector import Bools, Floats
 
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
@@ -157,7 +157,7 @@ def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) ->
     found = across.any(axis=1)[:, None, None]
     inside = np.where(found & ~stands[..., None], other, here)
     outside = np.where(found & stands[..., None], other, here)
-    _, tips = boundary(model, params, inside, outside)
+    _, tips = cross_boundary(model, params, inside, outside)
     return np.asarray(np.where(found, tips, here)[:, 0])
 
 

@@ -8,8 +8,6 @@ import math
 import re
 from typing import Any
 
-import numpy as np
-
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import runtime_version
 from firmware_export.emit.size import CELL, TARGET, counted_row, family_row
@@ -17,6 +15,7 @@ from firmware_export.host import family_of
 from firmware_export.protocol import Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
+from lutgen.files import plain
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
@@ -108,17 +107,6 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
         for call, numbers in cell.items()
         if isinstance(numbers, list)
     ]
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: no NumPy types, no NaN, no infinity."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def report(export: Export) -> dict[str, Any]:

@@ -6,18 +6,3 @@ In reading order: `library`, `reader`, `control`.
 from firmware_export.host.control import BLIND, ESCAPES, Controller, budget
 from firmware_export.host.library import RUNTIME, load_library
 from firmware_export.host.reader import FULL_SCALE, STANDS, Host, family_of, in_units, stem_of
-
-__all__ = [
-    "BLIND",
-    "ESCAPES",
-    "FULL_SCALE",
-    "RUNTIME",
-    "STANDS",
-    "Controller",
-    "Host",
-    "budget",
-    "family_of",
-    "in_units",
-    "load_library",
-    "stem_of",
-]

@@ -9,6 +9,7 @@ import click
 
 from lutgen.cli.options import Assignments, FigureOptions, posture_source
 from lutgen.errors import one_line
+from lutgen.files import plain
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -44,17 +45,6 @@ def show(
 def silent(report: dict[str, Any]) -> Iterable[str]:
     """Return no lines: in words the file that was made is all that there is to say."""
     return ()
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON has it: arrays as lists, null where a number is not finite."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: plain(part) for key, part in value.items()}
-    return [plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def degrees(value: float | None) -> float | None:

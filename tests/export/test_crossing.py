@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from firmware_export.truth.crossing import cross_boundary
+from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
-from lutgen.recipe import Recipe, forward, parse_recipe
+from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod
@@ -41,7 +42,7 @@ def test_a_crossing_stands_on_one_side_and_tips_on_the_other(name: str) -> None:
     inside, outside = downs[here, order[:, -4:]], downs[here, order[:, :4]]
     keep = (angle[here, order[:, -4:]] >= 0.0).all(1) & (angle[here, order[:, :4]] < 0.0).all(1)
     rows, inside, outside = rows[keep], inside[keep], outside[keep]
-    last, first = cross_boundary(recipe, forward(recipe, rows), inside, outside)
+    last, first = cross_boundary(Model(recipe), rows, inside, outside)
     for side, stands in ((last, True), (first, False)):
         found = evaluate_each(recipe, rows, side, ("tip_angle",))["tip_angle"]
         assert ((found >= 0.0) == stands).all()

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import lutgen
+from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Cells, Sample, biased, uniform
-from firmware_export.truth.tip_boundary import on_chart, unit
+from firmware_export.truth.tip_boundary import on_chart
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 MODELS = {
