@@ -8,13 +8,7 @@ WIDTH = 100
 
 
 def plain_text(text: str) -> str:
-    """Return a text that can stand in a comment of any compiler: ASCII, no comment marks.
-
-    Examples
-    --------
-    >>> plain_text("5°: a */ b")
-    '5 deg: a * / b'
-    """
+    """Return a text that can stand in a comment of any compiler: ASCII, no comment marks."""
     # A backslash at the end of a line would continue it, and ??/ is one for old compilers.
     text = re.sub(r"[^ -~]", "?", text.replace("°", " deg").replace("\\", "/"))
     return re.sub(r"\?(?=\?)", "? ", text).replace("*/", "* /").replace("/*", "/ *")

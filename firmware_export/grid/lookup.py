@@ -146,6 +146,7 @@ class Lookup(Codec):
 
     name = "grid"
     families: ClassVar = {"float": "tables", "integer": "tables_i"}
+    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -206,10 +207,6 @@ class Lookup(Codec):
         text = "what the errors of the tables' positions can turn a tip-over plane"
         code = order[0] | order[1] << 2 | order[2] << 4
         return Tables(spec, points, tuple(places), code, unit, guard, text)
-
-    def read_label(self, label: str) -> Spec:
-        """Return the size with a label."""
-        return Spec.of_label(label)
 
 
 INFO = Lookup()

@@ -144,6 +144,7 @@ class Trained(Codec):
 
     name = "grid"
     families: ClassVar = {"integer": "grid"}
+    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -205,10 +206,6 @@ class Trained(Codec):
         steps = tuple(found[name][1] for name in lengths)
         lesson = fit.learn(model)
         return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
-
-    def read_label(self, label: str) -> Spec:
-        """Return the size with a label."""
-        return Spec.of_label(label)
 
 
 def _lengths(channels: tuple[str, ...]) -> tuple[str, ...]:

@@ -35,19 +35,14 @@ class CArray:
     table: bool = True
 
     def __post_init__(self) -> None:
-        want = CTYPES[self.ctype]
         found = np.asarray(self.values)
-        exact = found.size == 0 or (
-            np.issubdtype(found.dtype, np.number)
-            and bool(np.all(np.isfinite(found)))
-            and (self.ctype == "float" or bool(np.all(found.astype(want) == found)))
-        )
-        if not exact:
+        held = found.astype(CTYPES[self.ctype])
+        if not (np.isfinite(found).all() and (self.ctype == "float" or (held == found).all())):
             raise InputError(
                 f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
                 "quantise them first."
             )
-        object.__setattr__(self, "values", found.astype(want))
+        object.__setattr__(self, "values", held)
 
     @property
     def numbers(self) -> NDArray[Any]:
@@ -110,13 +105,7 @@ class CBody:
 
 
 def literal(value: float | np.generic, ctype: str) -> str:
-    """Return a constant of a type as C writes it.
-
-    Examples
-    --------
-    >>> literal(0.1, "float"), literal(3, "float"), literal(-7, "int8_t")
-    ('0.1f', '3.0f', '-7')
-    """
+    """Return a constant of a type as C writes it, such as ``0.1f``."""
     if ctype == "float":
         # NumPy prints the shortest decimal that reads back as the same single.
         return f"{np.float32(value)!s}f"
