@@ -68,39 +68,39 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     name = check_name(export.name)
     content = report(export)
     written = dict(texts(export, content))
-    own = ["smap.h", "LICENSE", *(["smap_control.h"] if export.policy else [])]
+    for own in ("smap.h", "LICENSE", *(["smap_control.h"] if export.policy else [])):
+        written[own] = runtime_file(own)
     files = {key: text.encode("utf-8") for key, text in written.items()}
-    files |= {key: runtime_file(key).encode("utf-8") for key in own}
     last = f"{name}{SUFFIX}"
-    content["files"] = [*files, last]
     digests = {key: file_digest(files[key]) for key in sorted(files)}
-    content["tables"] = {"source_sha256": digests[f"{name}.c"], **stored(describe(export))}
-    content[DIGESTS] = digests
+    content |= {
+        "files": [*files, last],
+        "tables": {"source_sha256": digests[f"{name}.c"], **stored(describe(export))},
+        DIGESTS: digests,
+    }
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    files[last] = text.encode("utf-8")
-    return files, content
+    return files | {last: text.encode("utf-8")}, content
 
 
-def _reports(directory: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the name and the content of each report in a folder, of any format."""
+def _listed(directory: Path) -> tuple[dict[str, str | None], list[str]]:
+    """Return what earlier exports left in a folder, of any format, and their robots.
+
+    That is the names of their files, with the digest of each if it is known.
+    """
+    names: dict[str, str | None] = {}
+    robots = []
     for path in sorted(directory.glob(f"*{SUFFIX}")):
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError):
             continue
         if isinstance(content, dict) and MARKER in content:
-            yield path.name, content
-
-
-def _listed(directory: Path) -> dict[str, str | None]:
-    """Return the names that earlier exports left in a folder, with the digest of each if known."""
-    names: dict[str, str | None] = {}
-    for report_name, content in _reports(directory):
-        files, known = content.get("files"), content.get(DIGESTS)
-        for name in files if isinstance(files, list) else ():
-            names[str(name)] = known.get(str(name)) if isinstance(known, dict) else None
-        names[report_name] = None
-    return names
+            files, known = content.get("files"), content.get(DIGESTS)
+            for name in files if isinstance(files, list) else ():
+                names[str(name)] = known.get(str(name)) if isinstance(known, dict) else None
+            names[path.name] = None
+            robots += [content["robot"]] if "robot" in content else []
+    return names, robots
 
 
 def _held(directory: Path) -> list[str]:
@@ -112,12 +112,14 @@ def _held(directory: Path) -> list[str]:
     )
 
 
-def check_directory(directory: str | os.PathLike[str], force: bool = False) -> Path:
+def check_directory(
+    directory: str | os.PathLike[str], force: bool = False, robot: str | None = None
+) -> Path:
     """Return the folder that an export may be written to; refuse a file or foreign content.
 
     A folder that does not exist, is empty or holds an earlier export and nothing else will do.
     With `force` a folder may hold other files, which stay unless a new one has their name, and an
-    export that was edited.  A link is never followed.
+    export that was edited or is of another than the named robot.  A link is never followed.
     """
     path = Path(directory)
     try:
@@ -135,7 +137,7 @@ def check_directory(directory: str | os.PathLike[str], force: bool = False) -> P
             return path
         if not path.is_dir():
             raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
-        listed = _listed(path)
+        listed, robots = _listed(path)
         for name in _held(path):
             if (path / name).is_symlink():
                 raise InputError(
@@ -154,6 +156,12 @@ def check_directory(directory: str | os.PathLike[str], force: bool = False) -> P
                 )
     except OSError as error:
         raise _unwritable(path, error) from error
+    for other in robots:
+        if robot not in (None, other) and not force:
+            raise InputError(
+                f"{path}: holds an export of the robot {other!r} (got {robot!r}); "
+                "name another folder, or pass --force to write over it."
+            )
     return path
 
 
@@ -169,14 +177,7 @@ def write(
     it. Refused are folders as by `check_directory`, those of another robot's export unless `force`,
     and, with an ExportError, what does not compile or run, or cannot be written.
     """
-    path = check_directory(directory, force)
-    for _, found in _reports(path):
-        robot = found.get("robot", export.recipe.name)
-        if robot != export.recipe.name and not force:
-            raise InputError(
-                f"{path}: holds an export of the robot {robot!r} (got {export.recipe.name!r}); "
-                "name another folder, or pass --force to write over it."
-            )
+    path = check_directory(directory, force, export.recipe.name)
     files, content = contents(export)
     if tell is not None:
         tell(try_out(files, export.name))
@@ -214,7 +215,7 @@ def _stage(parent: Path) -> Iterator[Path]:
 
 def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:
     """Move all files of a stage into a folder that exists, and remove what an export left there."""
-    old = set(_listed(path)) & set(_held(path)) - set(files)
+    old = set(_listed(path)[0]) & set(_held(path)) - set(files)
     # The report first: it names the others, so that the folder is known as an export's.
     for name in sorted(files, key=lambda name: not name.endswith(SUFFIX)):
         (path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -96,38 +96,24 @@ class Tables(AnyTables):
 
     def body(self, integer: bool) -> CBody:
         """Return the tables for the emitter, in the layout of runtime/smap_lookup.h."""
+        wide = [int(self.spec.bits == 16), 0, 0, self.order]
         arrays = [
             CArray("unit", "float", [self.unit], "length of one unit", False),
-            CArray(
-                "order",
-                "uint8_t",
-                [int(self.spec.bits == 16), 0, 0, self.order],
-                "bits, order",
-                False,
-            ),
+            CArray("order", "uint8_t", wide, "bits, order", False),
         ]
         for low, inverse, first, rate in self.places:
-            arrays.append(
-                CArray("place", "float", [low, inverse], "where an axis begins, 1 / span", False)
-            )
-            arrays.append(
-                CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
-            )
+            begins = "where an axis begins, 1 / span"
+            arrays.append(CArray("place", "float", [low, inverse], begins, False))
+            steps = [first, rate]
+            arrays.append(CArray("place in steps", "uint16_t", steps, "the same of steps", False))
         for one in self.points:
-            axes = [
-                n
-                for axis, count in zip(one.axes, one.codes.shape, strict=False)
-                for n in (axis, count)
-            ]
-            arrays.append(
-                CArray("axes", "uint8_t", [len(one.axes), *axes], "axes: parameter, nodes")
-            )
+            axes = [n for pair in zip(one.axes, one.codes.shape, strict=False) for n in pair]
+            comment = "axes: parameter, nodes"
+            arrays.append(CArray("axes", "uint8_t", [len(one.axes), *axes], comment))
         ctype = f"int{self.spec.bits}_t"
-        for one in self.points:
-            arrays.append(CArray("codes", ctype, one.codes, "x, y, z of each node"))
+        arrays += [CArray("codes", ctype, one.codes, "x, y, z of each node") for one in self.points]
         pose = POSE_I if integer else POSE
-        body = CBody(TABLES, tuple(arrays), 3, (), pose, self.unit)
-        return replace(body, rounded=ROUNDED)
+        return CBody(TABLES, tuple(arrays), 3, (), pose, self.unit, rounded=ROUNDED)
 
     def cells(self, model: Model) -> Cells:
         """Return the knots of the tables."""

@@ -32,8 +32,6 @@ BOUNDLESS = 49.9
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen budget`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
         type=given.Numbers(*given.RANGE),

@@ -27,8 +27,6 @@ WITHOUT, WITH = "without control", "with control"
 
 @dataclass(frozen=True)
 class Options(RunOptions):
-    """Options of `lutgen control`."""
-
     terrain: str = option(
         default=PAPER,
         metavar="paper|FILE.csv",

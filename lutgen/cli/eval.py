@@ -15,13 +15,15 @@ if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis, Posture
     from lutgen.mapping import StabilityMap
 
+FORCES = (
+    "normal_forces normal_forces_kind=forces_kind normal_forces_range=normal_ranges "
+    "heuristic_forces_eq12=heuristic_forces"
+)
 VALUES = {one.json: one.unit for one in QUANTITIES.values() if not one.words} | {"slope_deg": "rad"}
 
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen eval`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
     acceleration: tuple[float, float, float] | None = given.option(
@@ -89,10 +91,7 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
         report["least_stable_axis"] = axes[found.least_stable]
     report["axes"] = axes
     if found.normal_forces:
-        report["normal_forces"] = found.normal_forces
-        report["normal_forces_kind"] = found.forces_kind
-        report["normal_forces_range"] = found.normal_ranges
-        report["heuristic_forces_eq12"] = found.heuristic_forces
+        report |= output.entries(found, FORCES)
     if found.facet is not None:
         report["support"] = {
             "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
@@ -131,9 +130,7 @@ def axis_entry(found: "Diagnosis", index: int) -> dict[str, Any]:
     return {
         "index": index,
         "contacts": axis.names,
-        "tip_angle_deg": output.degrees(axis.tip_angle),
-        "margin": axis.margin,
-        "energy_margin": axis.energy_margin,
+        **output.entries(axis, "tip_angle_deg margin energy_margin"),
         # Under a load there is no such measure of the nominal weight alone.
         "force_angle_rad": None
         if found.com_uncertainty or len(found.forces)

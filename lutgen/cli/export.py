@@ -24,8 +24,6 @@ class FolderOptions(RecipeOptions):
 
 @dataclass(frozen=True)
 class ExportOptions(FolderOptions):
-    """Options of `lutgen export`."""
-
     force: bool = given.force()
     flash: str | None = option(
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
@@ -53,8 +51,6 @@ class ExportOptions(FolderOptions):
 
 @dataclass(frozen=True)
 class PolicyOptions(FolderOptions):
-    """Options of `lutgen policy`."""
-
     objective: str = option(
         default="tip_angle",
         help="tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
@@ -95,17 +91,10 @@ def export(source: str, options: ExportOptions) -> None:
     $ cd firmware && cc -std=c99 -I. paper_two.c examples/read.c && ./a.out
     """
     from firmware_export import export as run
-    from firmware_export.codecs import named
     from firmware_export.emit import check_directory
-    from firmware_export.quantity import parse_error, parse_size
 
-    # What is wrong with the command is said before anything is computed.
+    # What is wrong with the folder is said before the source is opened.
     check_directory(options.output, options.force)
-    named(options.codec)
-    if options.flash is not None:
-        parse_size(options.flash)
-    if options.max_error is not None:
-        parse_error(options.max_error)
     channels = options.channels
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()

@@ -24,8 +24,6 @@ KEPT = "pass --merge to keep what was edited by hand, or --force to write over i
 
 @dataclass(frozen=True)
 class Options:
-    """Options of `lutgen import`."""
-
     output: str = given.output(required=True, help="Recipe to write (.toml).")
     name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
     contacts: tuple[str, ...] = option(

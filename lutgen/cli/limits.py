@@ -21,8 +21,6 @@ FIRST = {None: "-", True: "slides first", False: "tips first"}
 
 @dataclass(frozen=True)
 class Options(RecipeOptions, FigureOptions):
-    """Options of `lutgen limits`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
     best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
@@ -99,8 +97,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
     around = [ground.worst if math.isnan(row.heading) else row.heading for row in found.headings]
     slopes = ground.limits(np.nan_to_num(around))
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
+        **output.entries(recipe, "robot=name length_unit"),
         "convention": found.convention,
         "posture": output.by_unit(recipe, found.params),
         "friction": mu,

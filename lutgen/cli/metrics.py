@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen metrics`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     tilt: float = given.tilt()
     headings: int = option(

@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
-from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, show, unit_text
+from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen optimum`."""
-
     gravity: tuple[float, float, float] = given.gravity()
     method: str = given.method(
         help=(
@@ -173,12 +171,8 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Mapping[str, float])
     last = steps(robot, found)[-1]
     del last["evaluations"]
     return {
-        "robot": robot.name,
-        "length_unit": robot.length_unit,
-        "method": found.method,
-        "objective": found.objective,
-        "convention": found.convention,
-        "standing": found.standing,
+        **entries(robot, "robot=name length_unit"),
+        **entries(found, "method objective convention standing"),
         **entry("value", found.value, objective_unit(robot, found)),
         "evaluations": found.evaluations,
         "parameters": {

@@ -13,16 +13,12 @@ ENDINGS = (".html", ".htm")
 
 @dataclass(frozen=True)
 class ExploreOptions(RecipeOptions):
-    """Options of `lutgen explore`."""
-
     output: str = given.output(required=True, help="The page, an HTML file.")
     force: bool = given.force()
 
 
 @dataclass(frozen=True)
 class PaperOptions:
-    """Options of `lutgen paper`."""
-
     output: str = option(
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )

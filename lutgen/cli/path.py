@@ -34,8 +34,6 @@ class RunOptions(RecipeOptions, FigureOptions):
 
 @dataclass(frozen=True)
 class Options(RunOptions):
-    """Options of `lutgen path`."""
-
     terrain: str = option(
         default=PAPER,
         metavar="paper|FILE.csv",
@@ -192,13 +190,8 @@ def path_report(recipe: "Recipe", runs: "Mapping[str, Drive]", options: Options)
     """Return what `--json` prints; null where a number is not finite."""
     ground = next(iter(runs.values())).path
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
-        "terrain": options.terrain,
-        "method": options.method,
-        "objective": options.objective,
-        "convention": options.convention,
-        "lag": options.lag,
+        **output.entries(recipe, "robot=name length_unit"),
+        **output.entries(options, "terrain method objective convention lag"),
         "points": len(ground.position),
         "length": ground.distance[-1],
         # What the path gives is the slope of the ground, or the attitude of the body on it.
@@ -219,9 +212,7 @@ def run_entry(recipe: "Recipe", name: str, run: "Drive") -> dict[str, Any]:
         "tips_at": np.flatnonzero(run.tips),
         "least_tip_angle_deg": math.degrees(angle.min()),
         "least_at": int(angle.argmin()),
-        "evaluations": run.evaluations,
-        "heading_deg": np.degrees(run.heading),
-        "turn_deg": np.degrees(run.turn),
+        **output.entries(run, "evaluations heading_deg turn_deg"),
         "params": output.by_unit(recipe, run.params),
         "wanted": output.by_unit(recipe, run.wanted),
         "body_tilt_deg": tilts(run.gravity_body),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from lutgen.analysis.weighing import Advice, Reading, Tipping, Weighed, Weighing
+    from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing
     from lutgen.recipe import Recipe
 
 GROUND = ("slope_deg", "heading_deg")
@@ -24,8 +24,6 @@ SCALE = 0.005
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen weigh`."""
-
     scales: str | None = option(
         type=Named(),
         help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
@@ -76,31 +74,24 @@ def weigh(recipe: str, options: Options) -> None:
 def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     """Return the weighings of the file of scales."""
     from lutgen.analysis.weighing import Weighing
-    from lutgen.search import read_rows
+    from lutgen.search import check_columns, read_rows
 
     if options.scales is None:
         return []
-    parameters = [p.name for p in robot.parameters]
+    others = (*GROUND, *(p.name for p in robot.parameters))
 
     def check(source: str, names: list[str]) -> None:
-        for name in dict.fromkeys(names):
-            parts = [] if name in (*parameters, *GROUND) else name.split("+")
-            for part in parts:
-                if part not in robot.contact_names:
-                    raise InputError(
-                        f"{source}: line 1 names a column that is no contact, no parameter and not "
-                        f"{' or '.join(GROUND)} (got {name!r}); the contacts are "
-                        f"{', '.join(robot.contact_names)}."
-                    )
-        if len(set(names)) < len(names):
-            raise InputError(f"{source}: line 1 names a column twice (got {','.join(names)}).")
+        contacts = {name for name in names if {*name.split("+")} <= {*robot.contact_names}}
+        known = [*(contacts or robot.contact_names), *others]
+        check_columns(source, names, (), known)
+        if not contacts:
+            raise InputError(
+                f"{source}: line 1 names no scale (got {','.join(names)}); name contacts: "
+                f"{', '.join(robot.contact_names)}."
+            )
 
     rows, _ = read_rows(options.scales, check, "there is no weighing", 1)
-    scales = [name for name in rows if name not in (*parameters, *GROUND)]
-    if not scales:
-        raise InputError(
-            f"{options.scales}: line 1 names no scale (got {','.join(rows)}); name contacts."
-        )
+    scales = [name for name in rows if name not in others]
     for name in scales:
         if (rows[name] < 0.0).any():
             raise InputError(
@@ -158,47 +149,33 @@ def poses(
 
 def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -> dict[str, Any]:
     """Return what `--json` prints; null where nothing is known."""
+    import numpy as np
+
     from lutgen.analysis.weighing import Weighing
 
     entries, rest = [], iter(found.residuals.tolist())
+    advice: dict[str, Any] | None = None
+    if found.advice is not None:
+        posture = output.by_unit(robot, np.array(found.advice.params))
+        known = output.entries(found.advice, "slope_deg heading_deg com_std")
+        advice = {"posture": posture, **known}
     for one in readings:
         if isinstance(one, Weighing):
             for group, load in one.loads.items():
                 entries.append({"scale": "+".join(group), "kg": load, "residual_kg": next(rest)})
         else:
-            entries.append(
-                {
-                    "heading_deg": math.degrees(one.heading),
-                    "slope_deg": math.degrees(one.slope),
-                    "residual_deg": math.degrees(next(rest)),
-                }
-            )
+            residual = {"residual_deg": math.degrees(next(rest))}
+            entries.append(output.entries(one, "heading_deg slope_deg") | residual)
     open_ = [axis for axis, std in zip("xyz", found.com_std, strict=True) if math.isinf(std)]
     return {
-        "robot": robot.name,
-        "length_unit": robot.length_unit,
+        **output.entries(robot, "robot=name length_unit"),
         "mass": found.mass if math.isfinite(found.mass_std) else None,
         "mass_std": found.mass_std,
         "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
-        "com_shift": found.com_shift,
-        "com_std": found.com_std,
+        **output.entries(found, "com_shift com_std"),
         "com_open": open_,
         "readings": entries,
-        "next": advice_entry(robot, found.advice),
-    }
-
-
-def advice_entry(robot: "Recipe", advice: "Advice | None") -> dict[str, Any] | None:
-    """Return what a report says of the weighing that would help most."""
-    import numpy as np
-
-    if advice is None:
-        return None
-    return {
-        "posture": output.by_unit(robot, np.array(advice.params)),
-        "slope_deg": math.degrees(advice.slope),
-        "heading_deg": math.degrees(advice.heading),
-        "com_std": advice.com_std,
+        "next": advice,
     }
 
 
