@@ -1,6 +1,5 @@
 """An export folder that is asked: by the tables in its report, nothing is compiled."""
 
-import hashlib
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ from firmware_export.emit import load_report
 from firmware_export.host import FULL_SCALE, Host, in_units
 from firmware_export.protocol import restored
 from lutgen.errors import InputError, LutgenError
+from lutgen.files import digest as file_digest
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, parse_recipe
 
@@ -38,7 +38,7 @@ class ExportFolder:
             )
         path = folder / f"{self.report['name']}.c"
         try:
-            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+            digest = file_digest(path.read_bytes())
             same, content = digest == tables["source_sha256"], restored(tables)
         except OSError as error:
             raise InputError(

@@ -168,15 +168,15 @@ def certified(
     codecs = usable(model, asked.arithmetic, asked.codec)
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, held, asked.arithmetic)
-    if size is None and bound is None:
-        bound = KNEE
-        try:
-            chosen, certificate = _certified(trials, codecs, None, bound, asked.points, tell)
-        except ExportError:
-            bound = None
-            chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
-    else:
+    nothing = size is None and bound is None
+    bound = KNEE if nothing else bound
+    try:
         chosen, certificate = _certified(trials, codecs, size, bound, asked.points, tell)
+    except ExportError:
+        if not nothing:
+            raise
+        bound = None
+        chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),

@@ -97,13 +97,12 @@ def read_log(
     return time, up, rate, np.stack(driven, axis=1)
 
 
-def ride_logged(
-    time: Floats, up: Floats, rate: Floats | None, driven: Floats, steering: Steering
-) -> Ride:
-    """Return the ride that a robot has recorded, of what `read_log` returns.
+def ride_logged(file: str | os.PathLike[str], steering: Steering) -> Ride:
+    """Return the ride that a robot has recorded.
 
     The ground's slope follows from accelerometer and joints as `smap_ground` has it.
     """
+    time, up, rate, driven = read_log(file, steering.recipe)
     count = (time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)
     at: Floats = time[0] + _times(count) * steering.cycle
     ups, joints = _between(at, time, up), _between(at, time, driven)

@@ -69,12 +69,10 @@ class Spec:
 
     def grown(self, axis: int) -> "Spec":
         """Return the next larger size along one parameter."""
-
-        def more(n: int) -> int:
-            return min(n + 1 + n // 8, MOST_NODES) if n > 1 else 1
-
-        nodes = [(*one[:axis], more(one[axis]), *one[axis + 1 :]) for one in self.nodes]
-        return Spec(self.bits, tuple(nodes))
+        rows = [list(one) for one in self.nodes]
+        for row in rows:
+            row[axis] = min(row[axis] + 1 + row[axis] // 8, MOST_NODES) if row[axis] > 1 else 1
+        return Spec(self.bits, tuple(map(tuple, rows)))
 
 
 @dataclass(frozen=True, eq=False)

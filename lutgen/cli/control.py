@@ -73,7 +73,7 @@ def control(source: str, options: Options) -> None:
     $ lutgen policy maps/paper_two.toml -o fw --cycle 1 --rate alpha=60 --rate gamma=60
     $ lutgen control fw --turn 30 -p alpha=30.96 -p gamma=30.96 --animate ride.gif
     """
-    from firmware_export.control import controlled, read_log, ride_along, ride_logged, uncontrolled
+    from firmware_export.control import controlled, ride_along, ride_logged, uncontrolled
 
     check_run(options)
     # Read before a policy is made, which takes its time.
@@ -82,7 +82,7 @@ def control(source: str, options: Options) -> None:
     if ground is not None:
         ride = ride_along(ground, steering.cycle, options.speed)
     else:
-        ride = ride_logged(*read_log(str(options.log), steering.recipe), steering)
+        ride = ride_logged(str(options.log), steering)
     plant = plant_for(steering, options)
     if ride.driven is not None and not options.assignments:
         start: Floats = ride.driven[0]

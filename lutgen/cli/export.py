@@ -196,19 +196,13 @@ def policy_lines(report: dict[str, Any]) -> Iterator[str]:
     policy, loss = report["policy"], report["loss"]
     yield f"{report['name']}: {report['spec']}, steered by a table of {policy['table_bytes']} bytes"
     losses = f"{loss['mean']:.2g} deg mean, {loss['p95']:.2g} p95, {loss['largest']:.2g} largest"
-    yield from aligned(
-        [
-            ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
-            (
-                "steps",
-                f"{loss['step']:.3g} deg between nodes at most; the best alone jumps "
-                f"{loss['best_step']:.3g}",
-            ),
-            (
-                "tips over",
-                f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands",
-            ),
-            ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
-            ("folder", report["directory"]),
-        ]
-    )
+    steps = f"{loss['step']:.3g} deg between nodes at most; the best alone jumps"
+    tips = f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands"
+    rows = [
+        ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
+        ("steps", f"{steps} {loss['best_step']:.3g}"),
+        ("tips over", tips),
+        ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
+        ("folder", report["directory"]),
+    ]
+    yield from aligned(rows)

@@ -107,8 +107,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
                 "name": row.name,
                 "heading_deg": output.degrees(row.heading),
                 "tilt_deg": down(row.tilt),
-                "contacts": row.contacts,
-                "slides_first": row.slides,
+                **output.entries(row, "contacts slides_first=slides"),
                 "ground_tilt_deg": down(slope),
                 "ground_contacts": ground.contacts(heading),
             }
@@ -184,11 +183,8 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"body tilt: of the robot, as it senses it, from where {start[report['convention']]}"
     yield "ground tilt: slope of the ground, the robot seated on it anew at each tilt"
     rubs = report["friction"] is not None
-    rows = [
-        ["heading", "body tilt", "ground tilt", "turns over", "friction"],
-        *heading_rows(report),
-    ]
-    yield from output.aligned(row if rubs else row[:-1] for row in rows)
+    head = ["heading", "body tilt", "ground tilt", "turns over", "friction"]
+    yield from output.aligned(row if rubs else row[:-1] for row in (head, *heading_rows(report)))
     yield from guaranteed_lines(report)
     if rubs:
         yield (
@@ -199,19 +195,11 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         yield from all_lines(report["all_postures"])
     if "best_postures" in report:
         yield ""
-        yield from output.aligned(
-            [
-                ["heading", "body tilt", "best posture"],
-                *(
-                    [
-                        f"{row['heading_deg']:.1f} deg",
-                        angle_text(row["tilt_deg"]),
-                        output.posture_text(row["posture"]),
-                    ]
-                    for row in report["best_postures"]
-                ),
-            ]
-        )
+        rows = [["heading", "body tilt", "best posture"]]
+        for row in report["best_postures"]:
+            posture = output.posture_text(row["posture"])
+            rows.append([f"{row['heading_deg']:.1f} deg", angle_text(row["tilt_deg"]), posture])
+        yield from output.aligned(rows)
 
 
 def heading_rows(report: dict[str, Any]) -> Iterator[list[str]]:

@@ -65,8 +65,7 @@ def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, 
         both = zip(holds(posture, down).tolist(), may_hold(posture, down).tolist(), strict=True)
         held = [{"holds": one, "may_hold": other} for one, other in both]
     return {
-        "robot": posture.recipe.name,
-        "length_unit": posture.recipe.length_unit,
+        **output.entries(posture.recipe, "robot=name length_unit"),
         "tilt_deg": tilt,
         "level": {
             "status": QUANTITIES["status"].word(found.level_status),
@@ -104,13 +103,8 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in (report["level"], *report["headings"]):
         heading = f"{entry['heading_deg']:g}" if "heading_deg" in entry else "level"
-        rows.append(
-            [
-                heading,
-                output.VERDICTS[entry["status"]],
-                *(output.cell(entry[key]) for key in columns),
-            ]
-        )
+        cells = [output.cell(entry[key]) for key in columns]
+        rows.append([heading, output.VERDICTS[entry["status"]], *cells])
         if rolling:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
             rows[-1].append(held)

@@ -238,12 +238,7 @@ def path_lines(report: dict[str, Any]) -> Iterator[str]:
     for run in report["runs"]:
         least = run["least_at"]
         at = ", ".join(f"{report['path'][axis][least]:.4g}" for axis in "xyz")
-        rows.append(
-            [
-                run["name"],
-                f"{output.VERDICTS['tips']} at {len(run['tips_at'])} points "
-                f"({100.0 * run['share']:.3g} %), least tip angle "
-                f"{run['least_tip_angle_deg']:.4g} deg at point {least} ({at})",
-            ]
-        )
+        tips = f"at {len(run['tips_at'])} points ({100.0 * run['share']:.3g} %)"
+        angle = f"least tip angle {run['least_tip_angle_deg']:.4g} deg at point {least} ({at})"
+        rows.append([run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"])
     yield from output.aligned(rows)

@@ -204,22 +204,16 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     table = [["reading", "value", "residual"]]
     for one in report["readings"]:
         if "scale" in one:
-            table.append(
-                [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
-            )
+            row = [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
         else:
             at = f"tips, heading {one['heading_deg']:g} deg"
-            table.append(
-                [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
-            )
+            row = [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
+        table.append(row)
     yield from output.aligned(table)
     advice = report["next"]
     if advice is not None and advice["com_std"] is not None:
-        ground = (
-            "level"
-            if advice["slope_deg"] == 0.0
-            else (f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg")
-        )
+        ground = f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg"
+        ground = ground if advice["slope_deg"] else "level"
         yield (
             f"most would help: all scales at {output.posture_text(advice['posture'])}, {ground}: "
             f"com to {cell(advice['com_std'], '.2g', unit)}"
