@@ -7,8 +7,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -182,7 +181,13 @@ def write(
     if tell is not None:
         tell(try_out(files, export.name))
     try:
-        with _stage(path if path.is_dir() else path.absolute().parent) as stage:
+        # It is gone afterwards, unless it was renamed.
+        place = path if path.is_dir() else path.absolute().parent
+        made = tempfile.TemporaryDirectory(
+            prefix=".lutgen-export-", dir=place, ignore_cleanup_errors=True
+        )
+        with made as unfinished:
+            stage = Path(unfinished)
             for name, data in files.items():
                 (stage / name).parent.mkdir(parents=True, exist_ok=True)
                 (stage / name).write_bytes(data)
@@ -201,16 +206,6 @@ def _unwritable(path: Path, error: OSError) -> ExportError:
         f"{path}: the export cannot be written (got {error.strerror or error}); "
         "make room, or name a folder that is writable."
     )
-
-
-@contextmanager
-def _stage(parent: Path) -> Iterator[Path]:
-    """Make a folder for unfinished files, which is gone afterwards unless it was renamed."""
-    stage = Path(tempfile.mkdtemp(prefix=".lutgen-export-", dir=parent))
-    try:
-        yield stage
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)
 
 
 def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:

@@ -35,7 +35,9 @@ def load_library() -> ctypes.CDLL:
         raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
     loaded.smap_points_host_sources.restype = ctypes.c_char_p
     built = loaded.smap_points_host_sources().decode("ascii")
-    if built != sources_digest():
+    # As setup.py computes it.
+    files = sorted(RUNTIME.glob("*.[ch]"))
+    if built != hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest():
         raise ExportError(
             f"{path}: was built from other files than those beside it (got the digest "
             f"{built[:12]}); {WAY_OUT}"
@@ -52,9 +54,3 @@ def call(name: str, *given: Any) -> int:
         for one in given
     ]
     return ctypes.c_int8(getattr(load_library(), name)(*passed)).value
-
-
-def sources_digest() -> str:
-    """Return the digest of the runtime's files, as setup.py computes it."""
-    files = sorted(RUNTIME.glob("*.[ch]"))
-    return hashlib.sha256(b"\0".join(path.read_bytes() for path in files)).hexdigest()

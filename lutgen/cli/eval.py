@@ -42,8 +42,7 @@ def eval_(source: str, options: Options) -> None:
     """Evaluate one point of SOURCE, a recipe, a map or an export.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.  Parameters without -p are at the recipe's `home`, then in the middle of their
-    range.  Exit code 3 where the robot tips over, or where that cannot be told.
+    runtime is asked.  Exit code 3 where the robot tips over, or where that cannot be told.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31

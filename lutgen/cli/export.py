@@ -127,28 +127,19 @@ def export(source: str, options: ExportOptions) -> None:
 
 def export_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    yield from aligned(export_entries(report))
-
-
-def export_entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return what a report says of an export: names and texts."""
     from firmware_export.emit import bytes_text, errors_of, share
 
-    yield "flash", bytes_text(report["bytes"])
+    yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
+    rows = [("flash", bytes_text(report["bytes"]))]
     for name, errors in errors_of(report).items():
-        text = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
-        yield name, text or "errors not measured"
-    unsafe = report["false_safe"]
-    yield (
-        "verdict",
-        f"guard {report['guard_deg']:.3g} deg, "
-        f"{share(report['false_tip'])} of the stable configurations reported unsafe, "
-        + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
-    )
-    for note in (report["certificate"] or {}).get("text", ()):
-        yield "note", note
-    yield "folder", report["directory"]
+        said = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
+        rows.append((name, said or "errors not measured"))
+    unsafe, guard = report["false_safe"], f"guard {report['guard_deg']:.3g} deg"
+    given_up = f"{share(report['false_tip'])} of the stable configurations reported unsafe"
+    tested = "not certified" if unsafe is None else f"{unsafe} points said to stand that tip"
+    rows.append(("verdict", f"{guard}, {given_up}, {tested}"))
+    rows += [("note", note) for note in (report["certificate"] or {}).get("text", ())]
+    yield from aligned([*rows, ("folder", report["directory"])])
 
 
 @command("source", PolicyOptions)

@@ -41,8 +41,7 @@ def limits(recipe: str, options: Options) -> None:
     heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
     slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
     heading, also between those listed (of the ground: where it has not been steeper before), and
-    all limits are rounded down.  -p gives the posture; where it is left out, the recipe's `home`,
-    then the middle of the range.  Exit code 3 where it tips over on level ground.
+    all limits are rounded down.  Exit code 3 where it tips over on level ground.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90

@@ -167,7 +167,8 @@ parameters = functools.partial(
     "--parameter",
     type=Numbers(*VALUE),
     multiple=True,
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
+    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  What is "
+    "left out is at the recipe's `home`, then in the middle of its range.",
 )
 values = functools.partial(option, type=Numbers(*VALUE), multiple=True)
 method = functools.partial(

@@ -68,9 +68,8 @@ class Options(RunOptions):
 def path(recipe: str, options: Options) -> None:
     """Drive RECIPE over rough ground and count where it tips over.
 
-    Once with a fixed shape, and once with control.  -p gives the geometry before control begins;
-    where it is left out, the recipe's `home`, then the middle of the range.  Exit code 3 where it
-    tips over at any point of the last run, which may do all that is allowed.
+    Once with a fixed shape, and once with control.  -p gives the geometry before control begins.
+    Exit code 3 where it tips over at any point of the last run, which may do all that is allowed.
 
     \b
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96

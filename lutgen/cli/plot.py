@@ -45,9 +45,6 @@ def plot(source: str, options: Options) -> None:
 
     The channel is the tip-over angle unless --channel says sdg, height or another one.
 
-    What -p leaves out and no axis varies is at the recipe's `home`, then in the middle of its
-    range.
-
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """

@@ -48,16 +48,13 @@ def stance(file: str, options: Options) -> None:
         footing = replace(footing, gravity_dir=np.array(options.gravity))
     found = footing.equilibrium()
     save_figure(lambda plot: plot.draw_footing(footing, found), options.output, options)
-    show(stance_report(footing, found), stance_lines, options.as_json, 0 if found.holds else TIPS)
-
-
-def stance_report(footing: "Footing", found: "Equilibrium") -> dict[str, Any]:
-    """Return what `--json` prints; lengths in the file's unit, forces as shares of the weight."""
-    return {
+    # Lengths are in the file's unit, forces shares of the weight.
+    report = {
         **entries(footing, "title length_unit gravity=gravity_dir com"),
         **entries(found, "holds margin axes region region_is_open=is_open"),
         "feet": [*feet(footing, found)],
     }
+    show(report, stance_lines, options.as_json, 0 if found.holds else TIPS)
 
 
 def feet(footing: "Footing", found: "Equilibrium") -> Iterator[dict[str, Any]]:

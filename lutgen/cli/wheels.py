@@ -30,7 +30,6 @@ class Options(RecipeOptions):
 def wheels(recipe: str, options: Options) -> None:
     """Print wheel speeds and steering angles of a motion.
 
-    -p gives the posture; where it is left out, the recipe's `home`, then the middle of the range.
     Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this
     motion without dragging a wheel sideways; the nearest motion that is possible is printed then.
 

@@ -128,9 +128,6 @@ def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(
 def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
     two = lutgen.parse_recipe(tripod(nodes=5))
     for options, error, words in (
-        ({"name": "int"}, InputError, "keyword"),
-        ({"flash": "much"}, InputError, "flash size"),
-        ({"max_error": "-1%"}, InputError, "largest error"),
         ({"codec": "zip"}, InputError, "codec: 'zip' is unknown"),
         ({"arithmetic": "decimal"}, InputError, "arithmetic: 'decimal' is unknown"),
         ({"codec": "contacts", "arithmetic": "integer"}, ExportError, "floating point"),
