@@ -211,20 +211,20 @@ def _refuse(model: Model, wishes: Wishes) -> None:
             if what != "home" and not 0.0 < value < math.inf:
                 raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
     levels, slope = wishes.levels, math.degrees(wishes.slope)
-    above = [(what, getattr(wishes, what)) for what in ("cycle", "latency", "margin", "swerve")]
-    for good, fault in (
-        (2 <= wishes.nodes <= 65, f"nodes: from 2 to 65 (got {wishes.nodes})"),
-        (wishes.poses in (1, 2), f"poses: 1 or 2 (got {wishes.poses})"),
-        (
-            wishes.convention in CONVENTIONS,
-            f"convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})",
+    faults = {
+        f"nodes: from 2 to 65 (got {wishes.nodes})": 2 <= wishes.nodes <= 65,
+        f"poses: 1 or 2 (got {wishes.poses})": wishes.poses in (1, 2),
+        f"convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})": (
+            wishes.convention in CONVENTIONS
         ),
-        (0.0 < slope < 89.0, f"slope: above 0 and below 89 deg (got {slope:g})"),
-        *((0.0 < value < math.inf, f"{what}: above 0 (got {value:g})") for what, value in above),
-        (
-            math.inf > levels[0] > levels[1] > levels[2] > 0.0,
-            f"levels: three angles above 0, falling (got {levels})",
+        f"slope: above 0 and below 89 deg (got {slope:g})": 0.0 < slope < 89.0,
+        f"levels: three angles above 0, falling (got {levels})": (
+            math.inf > levels[0] > levels[1] > levels[2] > 0.0
         ),
-    ):
+    }
+    for what in ("cycle", "latency", "margin", "swerve"):
+        value = getattr(wishes, what)
+        faults[f"{what}: above 0 (got {value:g})"] = 0.0 < value < math.inf
+    for fault, good in faults.items():
         if not good:
             raise InputError(f"--{fault}.")

@@ -52,13 +52,7 @@ class Spec:
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("grid i8 4x1 1x4 1x1").nodes
-        ((4, 1), (1, 4), (1, 1))
-        """
+        """Return the size with a label."""
         _, bits, *words = label.split()
         return cls(int(bits[1:]), tuple(tuple(map(int, word.split("x"))) for word in words))
 

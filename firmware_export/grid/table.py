@@ -46,13 +46,7 @@ class Spec:
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("grid u8 5x5x9x9").nodes
-        (5, 5, 9, 9)
-        """
+        """Return the size with a label."""
         return cls(tuple(map(int, label.split()[2].split("x"))))
 
 

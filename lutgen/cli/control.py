@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lutgen.cli import options as given
 from lutgen.cli.options import command, open_recipe, option, stored_values
 from lutgen.cli.output import VERDICTS, aligned, by_unit, show
-from lutgen.cli.path import PAPER, RunOptions, check_run, gravity_columns, open_terrain, save_run
+from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -171,10 +171,10 @@ def columns_of(steering: "Steering", loop: "Loop") -> dict[str, Any]:
     drive, count = loop.drive, len(loop.moves)
     return {
         "time": (np.arange(count) * steering.cycle).tolist(),
-        **dict(zip("xyz", drive.path.position.T.tolist(), strict=True)),
+        **vector_columns("", drive.path.position),
         **by_unit(steering.recipe, drive.params),
         **by_unit(steering.recipe, drive.wanted, "_commanded"),
-        **gravity_columns(drive),
+        **vector_columns("gravity_", drive.gravity_body),
         "tip_angle_deg": np.degrees(drive.channels["tip_angle"]).tolist(),
         "move": [MOVES[move] for move in loop.moves],
         "alarm": loop.alarms.tolist(),

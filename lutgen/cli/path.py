@@ -166,12 +166,12 @@ def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
     """Return what `-o` writes: the columns of a run by name, each of p numbers."""
     import numpy as np
 
-    columns: dict[str, Any] = dict(zip("xyz", run.path.position.T.tolist(), strict=True))
+    columns: dict[str, Any] = vector_columns("", run.path.position)
     columns["heading_deg"] = np.degrees(run.heading).tolist()
     columns |= output.by_unit(recipe, run.params)
     if (run.wanted != run.params).any():
         columns |= output.by_unit(recipe, run.wanted, "_wanted")
-    columns |= gravity_columns(run)
+    columns |= vector_columns("gravity_", run.gravity_body)
     for name, values in run.channels.items():
         one = QUANTITIES[name]
         columns[one.json] = one.shown(values).tolist()
@@ -179,10 +179,9 @@ def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
     return columns
 
 
-def gravity_columns(run: "Drive") -> dict[str, list[float]]:
-    """Return the columns of gravity in the body."""
-    parts = run.gravity_body.T.tolist()
-    return {f"gravity_{axis}": part for axis, part in zip("xyz", parts, strict=True)}
+def vector_columns(name: str, vectors: "NDArray[Any]") -> dict[str, list[float]]:
+    """Return the columns of vectors (p, 3)."""
+    return {f"{name}{axis}": part for axis, part in zip("xyz", vectors.T.tolist(), strict=True)}
 
 
 def path_report(recipe: "Recipe", runs: "Mapping[str, Drive]", options: Options) -> dict[str, Any]:
