@@ -226,7 +226,9 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
 def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
     """Return the channels to hold, in the order of the runtime."""
     held = [name for name in EXPORTABLE if name in recipe.channels]
-    wanted = held if asked is None else [asked] if isinstance(asked, str) else list(asked)
+    if isinstance(asked, str):
+        asked = [name.strip() for name in asked.split(",")]
+    wanted = held if asked is None else list(asked)
     for name in wanted:
         if name not in EXPORTABLE:
             raise InputError(

@@ -10,7 +10,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
-from lutgen.cli.output import aligned, show
+from lutgen.cli.output import aligned, entries, show
 from lutgen.quantities import EXPORTABLE
 
 
@@ -95,7 +95,6 @@ def export(source: str, options: ExportOptions) -> None:
 
     # What is wrong with the folder is said before the source is opened.
     check_directory(options.output, options.force)
-    channels = options.channels
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()
 
@@ -108,14 +107,8 @@ def export(source: str, options: ExportOptions) -> None:
         report = run(
             open_source(source, options.allow_python),
             options.output,
-            name=options.name,
-            flash=options.flash,
-            max_error=options.max_error,
-            channels=None if channels is None else [part.strip() for part in channels.split(",")],
-            codec=options.codec,
-            arithmetic=options.arithmetic,
             progress=progress,
-            force=options.force,
+            **entries(options, "name flash max_error channels codec arithmetic force"),
         )
     except KeyboardInterrupt:
         raise click.ClickException("interrupted; nothing is left behind") from None
@@ -162,18 +155,13 @@ def policy(source: str, options: PolicyOptions) -> None:
     opened = open_source(source, options.allow_python)
     recipe = opened.recipe if isinstance(opened, StabilityMap) else opened
     wishes = Wishes(
-        objective=options.objective,
+        **entries(options, "objective nodes cycle latency convention poses"),
         within=math.radians(options.within),
-        nodes=options.nodes,
         slope=math.radians(options.slope),
+        margin=math.radians(options.margin),
         home=stored_values(recipe, options.home, "--home"),
         rate=stored_values(recipe, options.rate, "--rate"),
         delta=stored_values(recipe, options.delta, "--delta"),
-        cycle=options.cycle,
-        latency=options.latency,
-        margin=math.radians(options.margin),
-        convention=options.convention,
-        poses=options.poses,
     )
     report, found = run(
         opened, options.output, wishes, lambda text: log.info("%s", text), name=options.name

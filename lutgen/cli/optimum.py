@@ -86,13 +86,10 @@ def optimum(recipe: str, options: Options) -> None:
         options.gravity,
         options.method,
         options.objective,
-        convention=options.convention,
         bounds=box or None,
         start=start_of(robot, kept, box, options) if options.start else None,
         limit=options.limit if options.limit is None or one is None else one.stored(options.limit),
-        levels=options.levels,
-        ends=options.ends,
-        seed=options.seed,
+        **entries(options, "convention levels ends seed"),
     )
     if options.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")

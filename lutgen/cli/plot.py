@@ -62,11 +62,8 @@ def plot(source: str, options: Options) -> None:
             options.kind,
             opened,
             params=given.named_values(recipe, options.assignments),
-            gravity=options.gravity,
-            channel=options.channel,
             axes=axes,
-            convention=options.convention,
-            scale=options.scale,
+            **entries(options, "gravity channel convention scale"),
         )
         save(figure, options.output, force=options.force)
     report = {

@@ -74,12 +74,8 @@ def sweep(recipe: str, options: SweepOptions) -> None:
             run(
                 robot,
                 options.output,
-                threads=options.threads,
-                resume=options.resume,
-                engine=options.engine,
                 progress=progress,
-                scheduler=options.scheduler,
-                force=options.force,
+                **entries(options, "threads resume engine scheduler force"),
             )
         except KeyboardInterrupt:
             begun = Path(f"{options.output}.part").exists()

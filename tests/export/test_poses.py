@@ -18,6 +18,7 @@ from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.exports import rover_export, tripod_export
+from tests.fixtures.queries import ODD
 from tests.fixtures.recipes import contact, rigid
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
@@ -26,7 +27,6 @@ MAKERS: dict[str, Any] = {
     "many": rover_export,
     "grid": lambda: tripod_export(codec="grid"),
 }
-ODD = np.array([0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0], "f4")
 
 MAIN = r"""
 #include "tripod.h"
