@@ -81,10 +81,10 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     others = (*GROUND, *(p.name for p in robot.parameters))
 
     def check(source: str, names: list[str]) -> None:
-        contacts = {name for name in names if {*name.split("+")} <= {*robot.contact_names}}
-        known = [*(contacts or robot.contact_names), *others]
-        check_columns(source, names, (), known)
-        if not contacts:
+        scales = [name for name in names if {*name.split("+")} <= {*robot.contact_names}]
+        known = dict.fromkeys((*robot.contact_names, *scales, *others))
+        check_columns(source, names, (), [*known])
+        if not scales:
             raise InputError(
                 f"{source}: line 1 names no scale (got {','.join(names)}); name contacts: "
                 f"{', '.join(robot.contact_names)}."
