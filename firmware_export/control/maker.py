@@ -27,29 +27,9 @@ CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 class Wishes:
     """What a policy is asked for; angles in rad, lengths in the recipe's unit, times in s.
 
-    Parameters
-    ----------
-    objective : str
-        See `score_of`.
-    within : float
-        By how much less than the best score will do, for the sake of smoothness.
-    nodes : int
-        Nodes a side of the table.
-    slope : float
-        Steepest slope of the table along x or y.
-    home, rate, delta : mapping of str to float
-        By parameter: where the robot is if nothing else matters; change in a second; range around
-        what the driver asks for.
-    cycle, latency, margin : float
-        Of a cycle; from sample to motion; tip angle that ways are to keep.
-    levels : (float, float, float)
-        Tip angles below which the alarm has level 1, 2, 3.
-    swerve : float
-        By how much `up` may turn in a cycle beyond what the gyroscope says.
-    convention : str
-        How gravity turns while the shape changes, see `lutgen.channels`.
-    poses : int
-        Poses that a cycle may make of many contacts, 1 or 2.
+    `lutgen policy -h` says what each is.  Of `home`, `rate` and `delta` parameters may be left out;
+    `within` is in the unit of the objective (see `score_of`); below `levels` the alarm has level 1,
+    2, 3; by `swerve` `up` may turn in a cycle beyond what the gyroscope says.
     """
 
     objective: str = "tip_angle"
