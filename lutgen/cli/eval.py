@@ -29,11 +29,9 @@ class Options(RecipeOptions):
     acceleration: tuple[float, float, float] | None = given.option(
         "-a",
         type=given.Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
-        help=(
-            "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
-            "gravity. Leave it out where gravity comes from an accelerometer, which reads "
-            "both."
-        ),
+        help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
+        "gravity. Leave it out where gravity comes from an accelerometer, which reads "
+        "both.",
     )
 
 

@@ -38,9 +38,8 @@ class Options(RecipeOptions):
             "repeatable."
         )
     )
-    bounds: tuple[tuple[str, float, float], ...] = option(
+    bounds: tuple[tuple[str, float, float], ...] = given.repeated(
         type=given.Numbers(*given.RANGE),
-        multiple=True,
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
     start: tuple[tuple[str, float], ...] = given.values(
@@ -48,10 +47,8 @@ class Options(RecipeOptions):
     )
     limit: float | None = option(
         type=float,
-        help=(
-            "Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
-            "ranges; by default all geometries that stand are acceptable."
-        ),
+        help="Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
+        "ranges; by default all geometries that stand are acceptable.",
     )
     levels: int = option(type=given.Number(int, 1), default=6, help="Steps of search.")
     ends: str = option(

@@ -37,9 +37,8 @@ class Options(RunOptions):
     terrain: str = option(
         default=PAPER,
         metavar="paper|FILE.csv",
-        help=(
-            "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz."
-        ),
+        help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
+        "nx,ny,nz.",
     )
     points: int | None = option(type=int, help=f"Of the paper's path.  [default: {POINTS}]")
     turn: float = option(
