@@ -56,7 +56,7 @@ def weigh(recipe: str, options: Options) -> None:
     """
     from lutgen.analysis.weighed_recipe import corrected, correction
     from lutgen.analysis.weighing import weigh as fit
-    from lutgen.files import check_target, write_text
+    from lutgen.files import write_text
 
     robot = open_recipe(recipe, options.allow_python)
     readings: list[Reading] = [*scale_readings(robot, options), *tilt_readings(robot, options)]
@@ -64,9 +64,7 @@ def weigh(recipe: str, options: Options) -> None:
         raise InputError("--scales, --tilt: neither is given (got no file); give one of them.")
     found = fit(robot, readings)
     if options.output is not None:
-        text = corrected(robot, found)
-        check_target(options.output, options.force, text.encode("utf-8"))
-        write_text(options.output, text, options.force)
+        write_text(options.output, corrected(robot, found), options.force)
     report = weigh_report(robot, readings, found) | {"keys": correction(robot, found)}
     output.show(report, weigh_lines, options.as_json)
 
@@ -102,15 +100,11 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     accuracy = options.accuracy if options.accuracy is not None else SCALE * largest
     if not accuracy > 0.0:
         raise InputError(f"--accuracy: must be above 0 kg (got {accuracy:g}).")
-    return [
-        Weighing(
-            params,
-            {tuple(name.split("+")): float(rows[name][i]) for name in scales},
-            accuracy,
-            *ground,
-        )
-        for i, (params, ground) in enumerate(poses(robot, rows))
-    ]
+    readings = []
+    for i, (params, ground) in enumerate(poses(robot, rows)):
+        loads = {tuple(name.split("+")): float(rows[name][i]) for name in scales}
+        readings.append(Weighing(params, loads, accuracy, *ground))
+    return readings
 
 
 def tilt_readings(robot: "Recipe", options: Options) -> "list[Tipping]":
