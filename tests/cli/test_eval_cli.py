@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.commands import data, good, keys, run, stdout
 from tests.fixtures.places import MAPS, VECTORS
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod
 
@@ -88,17 +88,6 @@ def test_a_recipe_gives_every_channel_the_axis_and_the_forces_in_columns(place: 
     assert (tips.exit_code, "tips over" in tips.stdout) == (3, True)
     assert "normal forces" not in tips.stdout
     assert "nan" not in tips.stdout
-
-
-def keys(value: object) -> Iterator[str]:
-    """Yield every key of a JSON value."""
-    if isinstance(value, dict):
-        for key, inside in value.items():
-            yield key
-            yield from keys(inside)
-    elif isinstance(value, list):
-        for inside in value:
-            yield from keys(inside)
 
 
 def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place: Path) -> None:
