@@ -142,16 +142,6 @@ def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
         assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_with_foreign_files_is_refused_before_anything_is_computed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "thesis.tex").write_text("mine")
-    monkeypatch.setattr(exporter, "Trials", None)
-    with pytest.raises(InputError, match="not of an export"):
-        run(tmp_path)
-    assert (tmp_path / "thesis.tex").read_text() == "mine"
-
-
 PLUGIN = """
 import numpy as np
 
