@@ -3,11 +3,13 @@
 import csv
 import hashlib
 import io
+import math
 import os
 import secrets
 import stat
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from lutgen.errors import InputError, reject
 
@@ -120,6 +122,17 @@ def write_bytes(
 def digest(content: bytes) -> str:
     """Return the SHA-256 of bytes, in hex."""
     return hashlib.sha256(content).hexdigest()
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, null where a number is not finite."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    return [plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

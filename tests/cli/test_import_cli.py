@@ -11,7 +11,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import lutgen
@@ -19,7 +18,7 @@ from lutgen.chart import gravity_from_up
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.places import VECTORS
-from tests.fixtures.robots import collision, joint, link, real, robot
+from tests.fixtures.robots import collision, joint, link, robot
 
 ROVER = VECTORS / "rover.urdf"
 
@@ -241,37 +240,3 @@ def test_without_the_package_one_sentence_says_how_to_get_it(
     result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
     assert result.exit_code == 2
     assert "pip install lutgen[xacro]" in result.stderr
-
-
-@pytest.mark.needs("robots")
-@pytest.mark.parametrize(
-    ("name", "contacts", "parameters"),
-    [
-        # Two rims of two wheels on each track and of two ends of each flipper; every part moves.
-        (
-            "absolem",
-            24,
-            [
-                "left_track_j",
-                *(
-                    f"{end}_{side}_flipper_j"
-                    for end in ("front", "rear")
-                    for side in ("left", "right")
-                ),
-            ],
-        ),
-        # The outer rims of four wheels.
-        ("husky", 4, []),
-    ],
-)
-def test_real_robots_are_imported_without_options(
-    folder: Path, name: str, contacts: int, parameters: list[str]
-) -> None:
-    report = json.loads(good("import", real(name), "-o", "real.toml", "--json"))
-    assert report["parameters"] == parameters
-    assert len(report["contacts"]) == contacts
-    recipe = lutgen.load_recipe("real.toml")
-    good("check", "real.toml")
-    # Level ground, flippers as they are at zero: it stands, by more than 10 deg.
-    level = lutgen.evaluate(recipe, np.zeros((1, len(parameters))), [[0, 0, -1]], ("tip_angle",))
-    assert level["tip_angle"][0, 0] > np.radians(10.0)

@@ -5,7 +5,6 @@ import re
 from decimal import Decimal
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -63,13 +62,6 @@ def test_the_published_rectangles_of_absolem_come_out_of_the_command(
     assert "P1 - P4" in text or "P4 - P1" in text
 
 
-def keys(value: Any) -> set[str]:
-    """Return all keys of a report, at any depth."""
-    if isinstance(value, dict):
-        return set(value).union(*(keys(part) for part in value.values()))
-    return set().union(*map(keys, value)) if isinstance(value, list) else set()
-
-
 def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path: Path) -> None:
     robot = parse_recipe(tripod())
     report = data(tripod_path, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
@@ -96,7 +88,7 @@ def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_pa
     assert worst["name"] == "worst heading"
     assert worst["least_tilt_deg"] == pytest.approx(np.degrees(swept.guaranteed.min()))
     assert worst["largest_at"]["swing_deg"] == pytest.approx(np.degrees(rows[swept.strongest, 1]))
-    angles = {key for key in keys(report) if re.search("tilt|heading|angle|swing", key)}
+    angles = {key for key in commands.keys(report) if re.search("tilt|heading|angle|swing", key)}
     assert all(key.endswith("_deg") for key in angles)
     assert len(angles) >= 6
 

@@ -51,7 +51,10 @@ def test_what_level_scales_leave_open_is_null_and_no_uncertainty_is_claimed(rove
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("front_left,wing\n1,2\n", "no contact, no parameter .*'wing'"),
+        (
+            "front_left,wing\n1,2\n",
+            "unknown column 'wing' .* of front_left, front_right, ",
+        ),
         ("front_left,front_left\n1,2\n", "names a column twice"),
         ("spread,slope_deg\n0,2\n", "names no scale"),
         ("front_left\n", "there is no weighing"),

@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.certify import Effort, certify
 from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import Effort, certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
-from firmware_export.host import Host
-from firmware_export.protocol import Export, describe
+from firmware_export.protocol import Export
 from firmware_export.truth import slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
+from tests.fixtures.exports import host_of
 from tests.fixtures.linkage import coded
 
 OK, ROCKS, OFF_RANGE = 0, 1, 4
@@ -38,10 +38,6 @@ def export_of(name: str, error: float | None = None) -> Export:
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
     return contacts.INFO.export(model, "robot", EXPORTABLE, spec=spec)
-
-
-def host_of(export: Export) -> Host:
-    return Host(describe(export))
 
 
 def tables_of(export: Export) -> Series:

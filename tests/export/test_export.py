@@ -128,9 +128,6 @@ def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(
 def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
     two = lutgen.parse_recipe(tripod(nodes=5))
     for options, error, words in (
-        ({"name": "int"}, InputError, "keyword"),
-        ({"flash": "much"}, InputError, "flash size"),
-        ({"max_error": "-1%"}, InputError, "largest error"),
         ({"codec": "zip"}, InputError, "codec: 'zip' is unknown"),
         ({"arithmetic": "decimal"}, InputError, "arithmetic: 'decimal' is unknown"),
         ({"codec": "contacts", "arithmetic": "integer"}, ExportError, "floating point"),
@@ -143,16 +140,6 @@ def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
             run(tmp_path / "out", **options)  # type: ignore[arg-type]
         assert "\n" not in str(caught.value)
         assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_with_foreign_files_is_refused_before_anything_is_computed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "thesis.tex").write_text("mine")
-    monkeypatch.setattr(exporter, "Trials", None)
-    with pytest.raises(InputError, match="not of an export"):
-        run(tmp_path)
-    assert (tmp_path / "thesis.tex").read_text() == "mine"
 
 
 PLUGIN = """

@@ -13,20 +13,11 @@ import pytest
 from firmware_export.emit import check_name, package
 from firmware_export.emit.trial import try_out
 from lutgen.errors import ExportError
-from tests.fixtures.compiled import compile_c
+from tests.fixtures.compiled import STRICT, compile_c
 from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.length import LONG
 from tests.fixtures.needs import lacking
 
-STRICT = [
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Wconversion",
-    "-Wshadow",
-    "-Wdouble-promotion",
-    "-Werror",
-]
 NAMES = ("one", "two", "three")
 # Every level and every freedom of the compiler once; some only together.
 FLAGS = (

@@ -11,10 +11,11 @@ import lutgen
 from firmware_export.contacts import INFO as contacts
 from firmware_export.contacts.room import LIMITS, Room
 from firmware_export.emit import package
-from firmware_export.host import STANDS, Host
-from firmware_export.protocol import Export, describe
+from firmware_export.host import STANDS
+from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from tests.fixtures.compiled import HostLibrary
+from tests.fixtures.exports import host_of
 from tests.fixtures.places import MAPS
 from tests.fixtures.quadruped import quadruped
 
@@ -30,10 +31,6 @@ def with_room(export: Export, **numbers: int) -> Export:
     """Return an export with other numbers in its room."""
     room = export.tables.room._replace(**numbers)
     return replace(export, tables=replace(export.tables, room=room))
-
-
-def host_of(export: Export) -> Host:
-    return Host(describe(export))
 
 
 def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.ndarray]:

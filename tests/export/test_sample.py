@@ -4,17 +4,20 @@ import numpy as np
 import pytest
 
 import lutgen
+from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Cells, Sample, biased, uniform
-from firmware_export.truth.tip_boundary import on_chart, unit
+from firmware_export.truth.tip_boundary import on_chart
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
+BALL = ("upright = 90.0", "upright = 90.0\ncom_uncertainty = 0.01")
 MODELS = {
     "three points on a cone": Model(lutgen.parse_recipe(tripod())),
     "three points on the sphere": Model(
         lutgen.parse_recipe(tripod("reach = 3, swing = 2", chart="sphere", nodes=6))
     ),
     "wheels": Model(lutgen.parse_recipe(rover())),
+    "wheels under a ball of coms": Model(lutgen.parse_recipe(rover().replace(*BALL, 1))),
     "rigid": Model(lutgen.parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))),
 }
 each_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
