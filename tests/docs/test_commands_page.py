@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from lutgen.cli import main
 from tests.cli.test_alike import VERDICTS
@@ -68,20 +69,18 @@ def completions(shell: str, words: str, incomplete: str) -> list[str]:
         "COMP_WORDS": given,
         "COMP_CWORD": incomplete if shell == "fish" else str(len(shlex.split(words))),
     }
-    done = subprocess.run(
-        ["lutgen"], env=os.environ | asked, capture_output=True, text=True, check=True
-    )
+    lines = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout.splitlines()
     # zsh is answered in three lines each: type, value, help.
-    lines = done.stdout.splitlines()
     values = lines[1::3] if shell == "zsh" else [line.split(",", 1)[1] for line in lines]
     return [value.split("\t")[0] for value in values]
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_is_given_a_function_and_its_answers(shell: str, folder: Path) -> None:
+def test_each_shell_is_given_a_function_and_its_answers(shell: str) -> None:
     source = re.search(r"_LUTGEN_COMPLETE=(\w+) lutgen", LINES[shell])
     assert source is not None
-    script = bash(f"_LUTGEN_COMPLETE={source[1]} lutgen")
+    asked = {"_LUTGEN_COMPLETE": source[1]}
+    script = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout
     # The function is for this shell, asks what is asked below, and is tied to the command.
     tied = {"bash": "complete -o", "zsh": "compdef", "fish": "complete --no-files --command lutgen"}
     assert tied[shell] in script

@@ -9,7 +9,7 @@ import pytest
 
 import lutgen
 from firmware_export.contacts import INFO as contacts
-from firmware_export.contacts.room import LIMITS, Room
+from firmware_export.contacts.room import LIMITS
 from firmware_export.emit import package
 from firmware_export.host import STANDS, Host
 from firmware_export.protocol import Export, describe
@@ -111,13 +111,3 @@ def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) 
     status, reading = host_of(export).read(*queries(export, 1, 50))
     assert set(status.tolist()) == {TIPS}
     assert (reading[:, 1] == -np.float32(np.pi)).all()
-
-
-def test_a_room_that_is_larger_than_there_is_does_no_harm() -> None:
-    usual = export_of("excavator")
-    asked = queries(usual, 50, 20)
-    known = host_of(usual).read(*asked)[0].tobytes()
-    for place in Room._fields:
-        larger = host_of(with_room(usual, **{place: 255}))
-        assert larger.check() == OK, place
-        assert larger.read(*asked)[0].tobytes() == known, place

@@ -73,21 +73,6 @@ def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees() -> Non
     assert at(drive(two, path, params0=NOMINAL)) == LEFT
 
 
-@pytest.mark.parametrize(
-    ("path", "fixed", "changing"),
-    [
-        (paper_path(1000), 72.7, 21.5),
-        (paper_path(attitude="surface"), 72, 21),
-        (paper_path(span=(1e-6, 12.0)), 77, 24),
-    ],
-)
-def test_other_readings_of_the_path_give_nearly_the_same(
-    robot: Recipe, path: Path, fixed: float, changing: float
-) -> None:
-    assert percent(robot, path, control=False) == fixed
-    assert percent(robot, path) == changing
-
-
 def test_right_ends_give_24_and_without_lag_23(robot: Recipe) -> None:
     assert percent(robot, paper_path(), ends="right") == 24
     assert percent(robot, paper_path(), ends="right", lag=0) == 23
