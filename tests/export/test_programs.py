@@ -27,7 +27,7 @@ STRICT = [
 NAMES = ("one", "two", "three")
 # Every level and every freedom of the compiler once; some only together.
 FLAGS = (
-    *("-O0", "-O2 -flto", "-Ofast", "-O3 -march=native"),
+    *("-O0", "-Ofast", "-O3 -march=native -flto"),
     *("-std=gnu99 -O1 -ffp-contract=fast", "-std=gnu17 -Os -ffinite-math-only"),
 )
 if LONG:
@@ -239,7 +239,7 @@ def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Pa
 
 
 def test_a_name_that_is_accepted_compiles_and_runs() -> None:
-    for name in ("out", "params", "dot", "pose", "status", "PI2", "q", "x", "f", "probe", "read_i"):
+    for name in ("params", "pose", "status", "PI2", "q", "read_i"):
         assert check_name(name) == name
         files = package.contents(tripod_export(name))[0]
         assert "compiled and run" in try_out(files, name), name

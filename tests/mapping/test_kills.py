@@ -21,8 +21,8 @@ from lutgen.mapping.compute import Computer
 from tests.fixtures.recipes import tripod
 
 SOAK = "LUTGEN_SOAK" in os.environ
-# 12 postures of 7 x 7 nodes in 12 blocks, two channels.
-TRIPOD, NODES, BLOCKS = lutgen.parse_recipe(tripod()), 49, 12
+# 8 postures of 7 x 7 nodes in 8 blocks, two channels.
+TRIPOD, NODES, BLOCKS = lutgen.parse_recipe(tripod("reach = 4, swing = 2")), 49, 8
 # Everything by which a sweep changes a file, and all of it goes through the module `os`.
 CALLS = ("pwrite", "fsync", "ftruncate", "replace")
 Strike = Callable[..., Any]
