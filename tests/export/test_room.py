@@ -57,9 +57,8 @@ def read_alike(
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "absolem"])
-def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_path: Path) -> None:
-    whole = export_of(name)
+def test_what_an_export_gives_up_the_certificate_gives_up_too(tmp_path: Path) -> None:
+    whole = export_of("marv")
     small = with_room(whole, gaps=1)
     package.write(small, tmp_path / "out")
     asked = queries(whole, 400, 20)
@@ -74,9 +73,10 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "absolem", "markhor", "articulated", "quadruped"])
+@pytest.mark.parametrize("name", ["marv", "markhor", "quadruped"])
 def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_path: Path) -> None:
-    # Certificates read with arrays that are larger than those of an export.
+    # Certificates read with arrays that are larger than those of an export; absolem's and
+    # articulated's are compared in tests/runtime.
     export = export_of(name)
     package.write(export, tmp_path / "out")
     read_alike(export, tmp_path / "out", queries(export, 8_000, 8))
