@@ -297,14 +297,6 @@ def test_limits_of_more_postures_than_fit_are_refused_before_a_row_is_made(tmp_p
     assert "50,000,000 postures times headings" in run("limits", path, "--all").stderr
 
 
-def test_resuming_with_another_recipe_is_bad_input(place: Path, tmp_path: Path) -> None:
-    (tmp_path / "a.h5.part").write_bytes((place / "tripod.h5").read_bytes())
-    other = tmp_path / "other.toml"
-    other.write_text((place / "tripod.toml").read_text().replace("nodes = 7", "nodes = 9"))
-    result = run("sweep", other, "-o", tmp_path / "a.h5", "--resume")
-    assert (result.exit_code, "another recipe" in result.stderr) == (2, True)
-
-
 @pytest.mark.parametrize("name", sorted(main.commands))
 def test_an_empty_text_is_no_path_to_any_command(name: str, tmp_path: Path) -> None:
     paths = [one for one in main.commands[name].params if isinstance(one.type, click.Path)]
