@@ -15,7 +15,6 @@ from firmware_export.emit import package
 from tests.fixtures.commands import data
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.exports import tripod_export
-from tests.fixtures.programs import contents
 from tests.fixtures.recipes import tripod
 
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
@@ -58,16 +57,6 @@ def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
         r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M
     )
     assert text.splitlines()[-1] == f"folder     {place / 'firmware'}"
-
-
-def test_a_recipe_gives_the_folder_of_its_map_and_json_is_the_report(
-    place: Path, tmp_path: Path
-) -> None:
-    out = tmp_path / "out"
-    report = data("export", place / "tripod.toml", "-o", out, *QUICK)
-    assert report.pop("directory") == str(out)
-    assert report == json.loads((out / "tripod_report.json").read_text())
-    assert contents(out) == contents(place / "firmware")
 
 
 def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> None:
@@ -146,9 +135,3 @@ def test_eval_of_an_export_takes_what_p_leaves_out_from_its_recipe(place: Path) 
     assert report["posture_from"] == "middle of the range: swing"
     whole = data("eval", place / "firmware", "-p", "reach=0.3", "-p", "swing=5")
     assert report.pop("sdg") == pytest.approx(whole.pop("sdg"), rel=1e-5)
-
-
-def test_eval_needs_no_compiler(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = good("eval", place / "firmware", *POINT)
-    monkeypatch.setenv("CC", "no-such-compiler")
-    assert good("eval", place / "firmware", *POINT) == known

@@ -21,47 +21,6 @@ good = partial(commands.stdout, "limits")
 data = partial(commands.data, "limits")
 
 
-def four_feet(com: tuple[float, float, float], half: tuple[float, float]) -> str:
-    """Return a rigid robot on the corners of a rectangle on the ground z = -0.07045."""
-    x, y = half
-    body = f'[[robot.link]]\nname = "body"\nmass = 29.36\ncom = {list(com)}\n'
-    ground = [(a * x, b * y, -0.07045) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-    return rigid(body + feet(ground), head="friction = 0.8")
-
-
-@pytest.mark.parametrize(
-    ("com", "half", "published"),
-    [
-        ((-0.0322, -0.0057, 0.0988), (0.2500, 0.2470), (59.04, 52.15, 56.18, 54.95)),
-        ((-0.0322, -0.0057, 0.0892), (0.5743, 0.3139), (75.26, 73.60, 63.46, 62.62)),
-    ],
-    ids=["flippers up", "flippers on the ground"],
-)
-def test_the_published_rectangles_of_absolem_come_out_of_the_command(
-    com: tuple[float, float, float],
-    half: tuple[float, float],
-    published: tuple[float, ...],
-    tmp_path: Path,
-) -> None:
-    path = tmp_path / "rectangle.toml"
-    path.write_text(four_feet(com, half))
-    report = data(path)
-    found = {row["name"]: row["tilt_deg"] for row in report["limits"]}
-    down, up, left, right = published
-    # Printed to 0.01 deg from a com rounded to 0.1 mm.
-    assert found["nose down"] == pytest.approx(down, abs=0.02)
-    assert found["nose up"] == pytest.approx(up, abs=0.02)
-    assert found["left side down"] == pytest.approx(left, abs=0.02)
-    assert found["right side down"] == pytest.approx(right, abs=0.02)
-    assert found["worst heading"] == pytest.approx(min(published), abs=0.02)
-    assert report["guaranteed_tilt_deg"] == pytest.approx(found["worst heading"], abs=1e-9)
-    assert report["friction_angle_deg"] == pytest.approx(math.degrees(math.atan(0.8)))
-    assert all(row["slides_first"] for row in report["limits"])
-    text = good(path)
-    assert f"{math.floor(100.0 * found['nose down']) / 100.0:.2f} deg" in text
-    assert "P1 - P4" in text or "P4 - P1" in text
-
-
 def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path: Path) -> None:
     robot = parse_recipe(tripod())
     report = data(tripod_path, "-p", "reach=0.2", "--all", "--best", "--headings", 8)

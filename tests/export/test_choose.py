@@ -124,13 +124,6 @@ def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both() -> None:
             assert errors == sorted(errors, reverse=True)
 
 
-def test_the_most_accurate_that_fits_uses_the_flash() -> None:
-    formula = Formula()
-    found = best(formula, 2048 + CODE, None)
-    fitting = [one for one in formula.sizes() if formula.size(one) <= 2048]
-    assert found.error == min(map(formula.error, fitting))
-
-
 def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
     found = best(Formula(), 10_000, 2.0)
     assert found.total <= 10_000
@@ -223,15 +216,6 @@ def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(
         best_grid(wheels("sdg", "tip_angle"), 6_000, 0.1)
     with pytest.raises(ExportError, match="ask for a size of flash alone"):
         best_grid(wheels("tip_angle"), None, 1.0)
-
-
-def test_a_flash_that_no_size_fits_is_refused_with_the_smallest_there_is() -> None:
-    # Nothing was tried, and the refusal said that no codec could encode the robot.
-    model = Model(lutgen.parse_recipe(tripod()))
-    bench = Trials(model, "tripod", ("sdg", "tip_angle"), "float")
-    with pytest.raises(ExportError, match=r"got 1 bytes of flash.*bytes is the smallest there is"):
-        best_grid(bench, 1, None)
-    assert len(bench.tried) == 1
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once(

@@ -53,8 +53,7 @@ def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path:
     lutgen.sweep(RECIPE, tmp_path / "robot.h5")
     sources = (
         RECIPE,
-        tmp_path / "robot.toml",
-        str(tmp_path / "robot.h5"),
+        str(tmp_path / "robot.toml"),
         lutgen.load_map(tmp_path / "robot.h5"),
     )
     folders = [tmp_path / f"out{i}" for i in range(len(sources))]
@@ -208,12 +207,14 @@ ABOVE = feet(((1, 1, 0.5), (-1, 1, 0.5), (0, -1, 0.5)))
 
 
 def test_a_robot_that_never_stands_is_refused_by_what_its_contacts_are(tmp_path: Path) -> None:
-    for contacts in (IN_A_ROW, ABOVE):
-        for codec, arithmetic in (("contacts", "float"), ("grid", "integer")):
-            recipe = lutgen.parse_recipe(rigid(contacts))
-            with pytest.raises(ExportError, match=r"robot.contact.*only ever answer that .* tips"):
-                run(tmp_path / "out", recipe, codec=codec, arithmetic=arithmetic)
-            assert list(tmp_path.iterdir()) == []
+    for contacts, codec, arithmetic in (
+        (ABOVE, "contacts", "float"),
+        (IN_A_ROW, "grid", "integer"),
+    ):
+        recipe = lutgen.parse_recipe(rigid(contacts))
+        with pytest.raises(ExportError, match=r"robot.contact.*only ever answer that .* tips"):
+            run(tmp_path / "out", recipe, codec=codec, arithmetic=arithmetic)
+        assert list(tmp_path.iterdir()) == []
 
 
 def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_certificate(

@@ -1,6 +1,5 @@
 """What is in a map file, for us and for others."""
 
-import subprocess
 import time
 from pathlib import Path
 
@@ -117,14 +116,6 @@ def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path: Path, swept: P
     time.sleep(1.1)
     lutgen.sweep(recipe, tmp_path / "again.h5")
     assert (tmp_path / "again.h5").read_bytes() == (swept / "cone.h5").read_bytes()
-
-
-@pytest.mark.needs("h5dump")
-def test_h5dump_prints_the_header_of_a_map(swept: Path) -> None:
-    done = subprocess.run(["h5dump", "-H", swept / "sphere.h5"], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert 'DATASET "tip_angle"' in done.stdout
-    assert "( 4, 3, 6, 5, 5 )" in done.stdout
 
 
 def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:

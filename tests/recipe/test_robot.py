@@ -180,23 +180,6 @@ def test_params_that_are_no_postures_are_refused(params, said):
         forward(leg(), params)
 
 
-def paper_vector(elevation, azimuth):
-    """Return P(elevation) of the paper at the radius sqrt(20^2 + 12^2), angles in rad."""
-    flat = math.cos(elevation)
-    place = [flat * math.cos(azimuth), flat * math.sin(azimuth), -math.sin(elevation)]
-    return math.hypot(20.0, 12.0) * np.array(place)
-
-
-def test_the_paper_s_wheels_are_at_their_elevations_below_the_body():
-    nominal, third = math.atan(0.6), 2.0 * math.pi / 3.0
-    alpha, gamma = 0.2, 0.7
-    wheels = [paper_vector(alpha, 0), paper_vector(gamma, third), paper_vector(nominal, 2 * third)]
-    two, com = postures(load_recipe(MAPS / "paper_two.toml"), [[alpha, gamma]])
-    # The recipe's constants have 17 digits; lengths up to 24.
-    np.testing.assert_allclose(two[0], wheels, rtol=0, atol=1e-13)
-    assert not com.any()
-
-
 def test_absolem_has_its_published_mass_and_com_and_flippers_that_rise():
     recipe = load_recipe(MAPS / "absolem.toml")
     # Sum of decimal numbers.
