@@ -58,7 +58,7 @@ def asked(
 
     rows, result = len(values), function(values)
     if not isinstance(result, tuple) or len(result) != 2:
-        got = type(result).__name__
+        got = repr(type(result).__name__)
         refuse("must return contacts and com", got, "return a tuple of two arrays")
     contacts, com = (np.asarray(part, dtype=np.float64) for part in result)
     shape = (rows, contacts.shape[1] if count == "n" and contacts.ndim == 3 else count, 3)

@@ -218,7 +218,7 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
     [
         ("coded_robot:flat", r"must return contacts \(1, n, 3\) and com \(1, 3\) \(got \[\(1, 3\)"),
         ("coded_robot:pair", r"must return 3 to 62 contacts \(got 2\)"),
-        ("coded_robot:lone", r"must return contacts and com \(got ndarray\)"),
+        ("coded_robot:lone", r"must return contacts and com \(got 'ndarray'\)"),
         ("coded_robot:lost", r"must return finite numbers"),
         ("coded_robot:none", r"module has no function none"),
         ("coded_robot:number", r"module has no function number"),
