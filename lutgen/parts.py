@@ -16,6 +16,7 @@ __all__ = [
     "ZERO",
     "Contact",
     "Force",
+    "Group",
     "Joint",
     "Link",
     "Parameter",
@@ -158,6 +159,14 @@ class Wheel:
     radius: float
     steered: bool = False
     rollers: float | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """Contacts that carry their share of the weight together, such as those of an axle."""
+
+    name: str
+    contacts: tuple[str, ...]
 
 
 @dataclass(frozen=True)

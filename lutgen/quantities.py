@@ -142,6 +142,14 @@ QUANTITIES = {
             under_load=False,
         ),
         Quantity(
+            name="least_share",
+            unit="1",
+            title="least share of the weight on a contact or a group of them",
+            label="least share of the weight",
+            symbol="least share",
+            better="maximum",
+        ),
+        Quantity(
             name="facet",
             unit="1",
             title="index of the support facet",
@@ -179,7 +187,7 @@ def wanted(names: Iterable[str]) -> tuple[bool, ...]:
     Examples
     --------
     >>> wanted(["sdg", "tip_angle"])
-    (True, False, True, False, False, False, False)
+    (True, False, True, False, False, False, False, False)
     """
     asked = tuple(names)
     for name in asked:

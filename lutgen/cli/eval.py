@@ -92,6 +92,10 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
         report["normal_forces"] = found.normal_forces
         report["normal_forces_kind"] = found.forces_kind
         report["normal_forces_range"] = found.normal_ranges
+        report["group_shares"] = {
+            group.name: sum(found.normal_forces.get(name, 0.0) for name in {*group.contacts})
+            for group in recipe.groups
+        }
         report["heuristic_forces_eq12"] = found.heuristic_forces
     if found.facet is not None:
         report["support"] = {
@@ -208,6 +212,9 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
         yield from output.aligned(
             (f"  {name}", f"{share:.6f}", f"(paper's heuristic, Eq 12: {rough[name]:.6f})")
             for name, share in report["normal_forces"].items()
+        )
+        yield from output.aligned(
+            (f"  {name}", f"{share:.6f}") for name, share in report["group_shares"].items()
         )
 
 

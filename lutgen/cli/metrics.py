@@ -87,6 +87,7 @@ def heading_entry(found: "Metrics", index: int, heading: float) -> dict[str, Any
         "heading_deg": heading,
         "standing": found.standing[index],
         "status": QUANTITIES["status"].word(found.status[index]),
+        "least_share": found.least_share[index],
         **output.channel_entries({name: values[index] for name, values in found.values.items()}),
         "normalised": {name: values[index] for name, values in found.normalised.items()},
     }
@@ -103,6 +104,7 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         "force_angle_rad": f"force_angle rad{length}",
     }
     rolling = "holds" in report["headings"][0]
+    columns["least_share"] = "least share"
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in (report["level"], *report["headings"]):
         heading = f"{entry['heading_deg']:g}" if "heading_deg" in entry else "level"
@@ -110,7 +112,7 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
             [
                 heading,
                 output.VERDICTS[entry["status"]],
-                *(output.cell(entry[key]) for key in columns),
+                *(output.cell(entry.get(key)) for key in columns),
             ]
         )
         if rolling:
@@ -118,4 +120,4 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
             rows[-1].append(held)
     yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
     yield from output.posture_lines(report)
-    yield from output.aligned(rows, numbers=(0, *range(2, 8)))
+    yield from output.aligned(rows, numbers=(0, *range(2, 9)))

@@ -5,7 +5,7 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Link
+from lutgen.parts import ZERO, Contact, Group, Link
 from lutgen.recipe.code import load_function
 from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
@@ -132,6 +132,7 @@ def parse_recipe(
         function=function,
         wheels=wheels_of(robot, contacts),
         urdf=urdf if robot.urdf is not None else None,
+        groups=tuple(Group(one.name, tuple(one.contacts)) for one in robot.group),
         forces=forces_of(robot),
         com_uncertainty=robot.com_uncertainty,
         com_offset=three(robot.com_offset),
