@@ -32,8 +32,6 @@ BOUNDLESS = 49.9
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen budget`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
         type=given.Numbers(*given.RANGE),
@@ -71,8 +69,7 @@ def budget(source: str, options: Options) -> None:
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
     the speed at which a turn of --turn takes it.  Sliding is not included.  Of a recipe it also
     prints from which speed a dead stop does not tip it, all contacts at once in each heading or one
-    contact alone in any.  -p gives the posture; where it is left out, the recipe's `home`, then the
-    middle of the range.
+    contact alone in any.
 
     \b
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0
