@@ -143,6 +143,14 @@ class Wheel:
 
 
 @dataclass(frozen=True)
+class Group:
+    """Contacts that carry their share of the weight together, such as those of an axle."""
+
+    name: str
+    contacts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Force:
     """A force on a link, constant in the body frame, and a moment.
 

@@ -120,6 +120,13 @@ QUANTITIES = {
             "normalised energy stability margin",
             under_load=False,
         ),
+        Quantity(
+            "least_share",
+            "1",
+            "maximum",
+            "least share of the weight",
+            "least share of the weight on a contact or a group of them",
+        ),
         Quantity("facet", "1", None, "support facet", "index of the support facet"),
         Quantity(
             "status",

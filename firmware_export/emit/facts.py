@@ -25,7 +25,7 @@ MARKER = "lutgen_export"
 # The target that reports tell of.
 COUNTED, BOARD = "Cortex-M4F", "m4f"
 FALSE_TIP = "stable configurations reported unsafe"
-OWN_MACROS = ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK")
+OWN_MACROS = ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK", "GAPS")
 # What takes flash.
 KINDS = ("tables", "descriptors", "code", "control", "policy")
 
@@ -123,6 +123,7 @@ def report(export: Export) -> dict[str, Any]:
         "recipe_sha256": recipe.digest,
         "recipe": {"text": recipe.text, "urdf": recipe.urdf},
         "length_unit": recipe.length_unit,
+        "gaps": recipe.rock_angle > 0.0 and len(recipe.contacts) > 3,
         "codec": export.codec,
         "spec": tables.spec.label,
         "arithmetic": export.arithmetic,

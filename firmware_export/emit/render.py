@@ -128,6 +128,7 @@ def _context(content: dict[str, Any]) -> dict[str, Any]:
             (f"{stem}_FLASH", f"{sizes['total']}u", f"{what}: {sizes['target']}"),
             (f"{stem}_POSE_BYTES", f"{pose_bytes}u", "RAM of a pose, addresses of 4 bytes"),
             (f"{stem}_STACK", f"{sizes['stack']}u", f"{what}: the deepest call"),
+            (f"{stem}_GAPS", str(int(content["gaps"])), "1: it may rock from rest to rest"),
         ],
         "steps_macros": [
             (

@@ -210,6 +210,25 @@ static inline void smap_gravity_from_up_i(const int16_t up[3], int16_t gravity[3
   }
 }
 
+/* The highest speed (m/s) from which a dead stop does not tip the robot, whatever stops it: the root of
+ * 2 g height (1 - cos tip_angle), a little less.  `height` (m): the com's above the ground, as in the reading.
+ * On a bump take asin(bump / least distance of two contacts) off tip_angle.  0 with `gaps` (NAME_GAPS): a
+ * reading does not tell how little lifts a robot over a gap. */
+static inline float smap_stop_speed(const smap_reading_t *reading, float height, int gaps)
+{
+  const float tip = reading->tip_angle < 1.5f ? reading->tip_angle : 1.5f;
+  const float square = 9.806f * height * tip * tip * (1.0f - tip * tip * (1.0f / 12.0f));
+  float root = 0.5f * (1.0f + square);
+  uint8_t i;
+  if (gaps || !(tip > 0.0f) || !(square > 0.0f && square < 1e6f)) {
+    return 0.0f;
+  }
+  for (i = 0; i < 16; i++) { /* Newton's steps come from above, so what is divided is below */
+    root = 0.5f * (root + square / root);
+  }
+  return square / root;
+}
+
 /* A parameter x as smap_pose_q takes it, for the macros of NAME.h.  Below the lower end steps go on
  * below 0; beyond the upper end there are none, and the answer is SMAP_OFF_RANGE. */
 static inline int16_t smap_steps(float x, float low, float high, float scale)

@@ -55,7 +55,7 @@ def cross_some(
     high: Floats,
 ) -> None:
     """Close in the arcs of postures [begin, end); `low` and `high` (m, d, 3) change in place."""
-    acceptance, wanted = setting
+    acceptance, wanted, _ = setting
     region = empty_region(primitives.shape[1])
     if wrench is not None:
         axes = empty_axes(region)

@@ -2,7 +2,7 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `balance`, `uneven`, `footing`.
+`budget`, `stopping`, `balance`, `uneven`, `footing`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
@@ -20,7 +20,8 @@ from lutgen.analysis.rolling import (
     rolling_gravity,
     rolls,
 )
-from lutgen.analysis.sliding import slide_limits, slopes
+from lutgen.analysis.sliding import share_limits, slide_limits, slopes
+from lutgen.analysis.stopping import StopSpeeds, stop_speeds
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
@@ -47,6 +48,7 @@ __all__ = [
     "Motion",
     "Posture",
     "PostureLimits",
+    "StopSpeeds",
     "SweepLimits",
     "axis_force_angle",
     "below_ground",
@@ -68,8 +70,10 @@ __all__ = [
     "rolling_gravity",
     "rolls",
     "rounded_down",
+    "share_limits",
     "slide_limits",
     "slopes",
+    "stop_speeds",
     "structure",
     "sweep_limits",
     "tilt_limits",

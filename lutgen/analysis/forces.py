@@ -10,13 +10,12 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.channels import smallest_shares
 from lutgen.vector import Floats
 
 # Of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on it.  A
 # tenth of what the balance may miss.
 ON = 1e-10
-# Shares of the weight below this are zero but for rounding.
-ROUNDING = 1e-13
 
 
 def load_corners(points: Floats, pierced: Floats) -> Floats:
@@ -74,30 +73,11 @@ def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
     balance = np.vstack([np.ones(len(points)), _flat(points, pierced).T])
     if not len(corners):
         return _smallest(balance)
-    # From the middle of all loads that balance down to the smallest: an active-set method, each
-    # step of which balances and nowhere pulls.
-    shares: Floats = corners.mean(axis=0)
-    able = shares > 0.0
-    carries = able.copy()
-    for _ in range(20 * len(points)):
-        target = np.zeros(len(points))
-        target[carries] = _smallest(balance[:, carries])
-        falls = carries & (target < -ROUNDING)
-        if falls.any():
-            steps = np.full(len(points), np.inf)
-            steps[falls] = shares[falls] / (shares[falls] - target[falls])
-            first = int(np.argmin(steps))
-            shares = np.maximum(shares + steps[first] * (target - shares), 0.0)
-            shares[first] = 0.0
-            carries[first] = False
-            continue
-        shares = np.maximum(target, 0.0)
-        # At the smallest load the shares are an affine function of the place, or 0 below it.
-        affine = np.linalg.lstsq(balance[:, carries].T, shares[carries], rcond=None)[0]
-        gain = np.where(able & ~carries, affine @ balance, 0.0)
-        if gain.max() <= ROUNDING:
-            break
-        carries[int(np.argmax(gain))] = True
+    # No load rests on the others: without them D_g is amid those that can carry.
+    able, shares = corners.any(axis=0), np.zeros(len(points))
+    carried = np.empty(int(able.sum()))
+    smallest_shares(np.ascontiguousarray(balance[1:, able].T), carried)
+    shares[able] = carried
     return shares
 
 

@@ -28,11 +28,13 @@ class Metrics:
     divided by that on level ground; of `sdg`, which is 0 at its best, it is 1 - |SD_g| / r with r
     the distance from the support polygon's centroid to its nearest side, the largest |SD_g| at
     which the robot stands wherever D_g lies.  `level` are the values on level ground.  `status`
-    (g,) and `level_status` are those of the channel: 0 stands, 1 rocks, 2 tips.
+    (g,) and `level_status` are those of the channel: 0 stands, 1 rocks, 2 tips; `least_share` (g,)
+    is a channel, too.
     """
 
     standing: NDArray[np.bool_]
     status: Floats
+    least_share: Floats
     values: dict[str, Floats]
     normalised: dict[str, Floats]
     level: dict[str, float]
@@ -53,8 +55,8 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
             f"{recipe.com_uncertainty:g}); leave it out to compare them"
         )
     directions = np.vstack([LEVEL, checked_directions(gravity_dir)])
-    found = evaluate(recipe, posture.row, directions, (*CHANNELS, "status"))
-    status = found.pop("status")[0]
+    found = evaluate(recipe, posture.row, directions, (*CHANNELS, "least_share", "status"))
+    status, least_share = found.pop("status")[0], found.pop("least_share")[0]
     values = {name: channel[0] for name, channel in found.items()}
     standing = values["tip_angle"] >= 0.0
     stance = posture.stance_of_weight()
@@ -73,6 +75,7 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     return Metrics(
         standing[1:],
         status[1:],
+        least_share[1:],
         {name: values[name][1:] for name in METRICS},
         {name: normalised[name] for name in METRICS},
         {name: float(values[name][0]) for name in METRICS},

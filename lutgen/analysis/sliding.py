@@ -1,16 +1,17 @@
-"""Where a robot slides before it tips: the slope under its support facet against friction.
+"""What happens before a robot tips: it slides, or a group of contacts carries too little.
 
 All contacts count as braked here.  Sliding never changes the verdict on tipping.
 """
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import level_frames, tilted
+from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.bracket import halve
 from lutgen.channels import (
     MU,
@@ -18,6 +19,7 @@ from lutgen.channels import (
     acceptance_of,
     checked_directions,
     empty_axes,
+    evaluate,
     find_axes,
     for_each_posture,
     loaded_verdict,
@@ -26,6 +28,7 @@ from lutgen.channels import (
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
+from lutgen.parts import Group
 from lutgen.recipe import Recipe, forward
 from lutgen.support import Acceptance, empty_region, seat_under, stand
 from lutgen.vector import Floats, add, cross, dot, length, read3, row
@@ -174,6 +177,34 @@ def first_tilts(
             halvings,
         )
     return after
+
+
+def share_limits(
+    posture: Posture, name: str, share: float, headings: ArrayLike, convention: str = "body"
+) -> Floats:
+    """Return the tilt in each heading (h,) from which on a group carries less than a share, rad.
+
+    `name` is that of a group or of a contact.  Up to the tilt at which the robot tips at most; 0
+    where it carries less on level ground, which `convention` refers to, see `tilt.level_frames`.
+    """
+    recipe, row = posture.recipe, posture.row
+    groups = {one: Group(one, (one,)) for one in recipe.contact_names}
+    groups |= {group.name: group for group in recipe.groups}
+    if name not in groups or not 0.0 < share <= 1.0:
+        raise InputError(
+            f"{recipe.source}: a share above 0 and up to 1 of a group or contact is needed (got "
+            f"{name}={share:g}); there are {', '.join(groups)}"
+        )
+    alone = replace(recipe, groups=(groups[name],))
+    frame = level_frames(recipe, row, convention)[0]
+
+    def light(directions: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+        found = evaluate(alone, row, directions @ frame.T, ("least_share",))["least_share"][0]
+        return np.asarray(~(found >= share))
+
+    end = tilt_limits(recipe, posture.params, headings, convention)
+    found = first_tilts(light, headings, end)
+    return np.where(np.isnan(found), end, found)
 
 
 def slide_limits(

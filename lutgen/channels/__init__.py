@@ -1,7 +1,7 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `angles`, `energy`, `exact`, `axes`, `loads`, `wrench`, `evaluation`, `rows`,
-`scan`, `resting`.
+In reading order: `angles`, `energy`, `exact`, `axes`, `shares`, `loads`, `wrench`, `evaluation`,
+`rows`, `scan`, `resting`.
 """
 
 from lutgen.channels.angles import JUST_OUTSIDE, arc_angle
@@ -25,6 +25,7 @@ from lutgen.channels.exact import (
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
 from lutgen.channels.resting import CONVENTIONS, body_gravity, turned
 from lutgen.channels.scan import Scanner
+from lutgen.channels.shares import smallest_shares
 from lutgen.channels.wrench import acceptance_of, refuse_forces, wrenches
 
 __all__ = [
@@ -56,6 +57,7 @@ __all__ = [
     "part",
     "refuse_forces",
     "segment_energy",
+    "smallest_shares",
     "stability",
     "turned",
     "wanted_channels",

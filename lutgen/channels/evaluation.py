@@ -8,17 +8,18 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels.axes import empty_axes, find_axes
-from lutgen.channels.exact import Setting, checked_directions, measure, wanted_channels
-from lutgen.channels.loads import measure_loaded
-from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.channels.axes import MU, PHI, empty_axes, find_axes, part
+from lutgen.channels.exact import SHARE, Setting, checked_directions, measure, wanted_channels
+from lutgen.channels.loads import measure_loaded, share_of
+from lutgen.channels.wrench import acceptance_of, groups_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
+from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
-from lutgen.vector import Floats, row
+from lutgen.vector import Floats, add, row
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024
@@ -43,7 +44,7 @@ def measure_some(
     Parameters as in `measure_postures`; `out` (channels, m, d) has a row for each wanted channel.
     Compiled apart for the weight alone, where `wrench` is None.
     """
-    accept, wanted = setting
+    accept, wanted, groups = setting
     count = gravity_dir.shape[1]
     per_posture = (count + STRETCH - 1) // STRETCH
     region = empty_region(primitives.shape[1])
@@ -64,6 +65,11 @@ def measure_some(
                 measure(region, g, wanted, values)
             else:
                 measure_loaded(region, axes, wrench[posture], g, wanted, values)
+            if wanted[SHARE]:
+                force, mu = g, ZERO
+                if wrench is not None:
+                    force, mu = add(g, part(wrench[posture], PHI)), part(wrench[posture], MU)
+                values[SHARE] = share_of(region, values, force, mu, groups)
             place = 0
             for c in range(len(CHANNELS)):
                 if wanted[c]:
@@ -115,7 +121,7 @@ def measure_recipe(
         pack(postures.centres, postures.axes, *radii_and_kinds(recipe)),
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
-        Setting(acceptance_of(recipe, tighter), wanted),
+        Setting(acceptance_of(recipe, tighter), wanted, groups_of(recipe)),
     )
 
 

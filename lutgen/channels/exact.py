@@ -30,14 +30,18 @@ from lutgen.vector import (
     subtract,
 )
 
-SDG, HEIGHT, TIP, MARGIN, ENERGY, FACET, STATUS = range(len(CHANNELS))
+SDG, HEIGHT, TIP, MARGIN, ENERGY, SHARE, FACET, STATUS = range(len(CHANNELS))
 
 
 class Setting(NamedTuple):
-    """What every posture of a measurement shares: which facets count, and the wanted channels."""
+    """What every posture of a measurement shares: which facets count, and the wanted channels.
+
+    `groups` (n,) are those of `shares.least_share`.
+    """
 
     acceptance: Acceptance
     wanted: NDArray[np.bool_]
+    groups: NDArray[np.int64] = np.empty(0, np.int64)
 
 
 @njit(inline=True)
@@ -90,8 +94,9 @@ def _margins(
 def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
     """Fill `out` with the channels of one direction, in the order of `CHANNELS`.
 
-    `wanted` (bool) skips the costly ones.  Outside the standing region `sdg` and `height` are NaN,
-    `facet` is -1, `status` is TIPS and the others are negative.
+    `wanted` (bool) skips the costly ones, and `least_share` is left to `shares`.  Outside the
+    standing region `sdg` and `height` are NaN, `facet` is -1, `status` is TIPS and the others are
+    negative.
     """
     k = cone_of(region, g)
     out[SDG] = out[HEIGHT] = math.nan

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lutgen.channels.angles import JUST_OUTSIDE, arc_angle
 from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
 from lutgen.channels.exact import FACET, HEIGHT, MARGIN, SDG, STATUS, TIP, axis_margin
+from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
 from lutgen.support import (
@@ -29,6 +30,7 @@ from lutgen.support import (
 from lutgen.vector import (
     Bools,
     Floats,
+    Ints,
     Vector,
     add,
     along,
@@ -75,6 +77,16 @@ def zero_moment_point(plane: Vector, force: Vector, mu: Vector) -> Vector:
     F = g + phi.  About D the moment of weight and forces has no part in the plane.
     """
     return scale(add(force, cross(plane, mu)), 1.0 / dot(plane, force))
+
+
+@njit()
+def share_of(region: Region, values: Floats, force: Vector, mu: Vector, groups: Ints) -> float:
+    """Return the least share of a group, of a direction whose facet and status are in `values`."""
+    k, status = int(values[FACET]), int(values[STATUS])
+    if k < 0:
+        return math.nan
+    pierced = zero_moment_point(read3(region.seat[k].plane), force, mu)
+    return least_share(region, k, status, pierced, groups)
 
 
 @njit(inline=True)

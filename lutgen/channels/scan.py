@@ -11,11 +11,13 @@ from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import (
     ENERGY,
     MARGIN,
+    SHARE,
     TIP,
     Setting,
     measure,
     wanted_channels,
 )
+from lutgen.channels.loads import share_of
 from lutgen.channels.rows import (
     PAD,
     Nodes,
@@ -26,13 +28,14 @@ from lutgen.channels.rows import (
     node_direction,
     nodes_of,
 )
-from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.channels.wrench import acceptance_of, groups_of, wrenches
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
+from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import Region, empty_region, pack, stand
-from lutgen.vector import Bools, Floats, Singles
+from lutgen.vector import Floats, Singles
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
 BAND = 4096
@@ -40,16 +43,19 @@ BAND = 4096
 AT_ONCE = 1 << 17
 
 
-@njit(bare=True)
+@njit()
 def _each_node(
-    region: Region, nodes: Nodes, rows: Rows, wanted: Bools, values: Floats, out: Singles
+    region: Region, nodes: Nodes, rows: Rows, setting: Setting, values: Floats, out: Singles
 ) -> None:
     """Fill the wanted channels of rows node by node."""
+    _, wanted, groups = setting
     count = nodes.inverse.shape[0]
     for r in range(rows.held):
         for i in range(count):
             g = node_direction(nodes, rows.face, i, rows.first + r)
             measure(region, g, wanted, values)
+            if wanted[SHARE]:
+                values[SHARE] = share_of(region, values, g, ZERO, groups)
             for c in range(len(CHANNELS)):
                 if wanted[c]:
                     out[c, rows.at + r * count + i] = np.float32(values[c])
@@ -66,7 +72,7 @@ def scan_part(
     out: Singles,
 ) -> None:
     """Fill rows [begin, end) of a block, counted through its postures; see `scan`."""
-    accept, wanted = setting
+    accept, wanted, _ = setting
     first, per_posture, count = span[0], span[1] - span[0], nodes.inverse.shape[0]
     region = empty_region(primitives.shape[1])
     band = max(BAND // count, 1)
@@ -85,8 +91,8 @@ def scan_part(
         held = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
         rows = Rows(face, first_row, held, line * count)
         line += held
-        if wanted[MARGIN] or wanted[ENERGY]:
-            _each_node(region, nodes, rows, wanted, values, out)
+        if wanted[MARGIN] or wanted[ENERGY] or wanted[SHARE]:
+            _each_node(region, nodes, rows, setting, values, out)
             continue
         draw(region, nodes, rows, scratch, wanted, out)
         if wanted[TIP]:
@@ -126,7 +132,7 @@ class Scanner:
         self._recipe = recipe
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
-        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels))
+        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels), groups_of(recipe))
         self._radius, self._kind = radii_and_kinds(recipe)
         # For loaded robots alone: for the others the kernel makes the directions itself.
         self._directions = chart.directions().reshape(self.rows, -1, 3) if recipe.loaded else None

@@ -63,6 +63,13 @@ def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
     )
 
 
+def groups_of(recipe: Recipe) -> NDArray[np.int64]:
+    """Return the groups (n,) of a recipe as bits of its contacts' rows."""
+    bits = {name: 1 << row for row, name in enumerate(recipe.contact_names)}
+    groups = (sum(bits[name] for name in {*group.contacts}) for group in recipe.groups)
+    return np.array([*groups], np.int64)
+
+
 def refuse_forces(recipe: Recipe, what: str) -> None:
     """Raise InputError for a recipe with forces where `what` knows the weight alone."""
     if recipe.has_wrench:

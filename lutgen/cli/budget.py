@@ -50,6 +50,8 @@ class Options(RecipeOptions):
         help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
     turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
+    headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
+    bump: float = option(default=0.0, help="Height of a bump below one contact as it stops, m.")
     reads: int = option(
         type=given.Number(int, 1, 32),
         default=4,
@@ -65,7 +67,9 @@ def budget(source: str, options: Options) -> None:
 
     Of a recipe exactly; of the folder of an export as its C says it (smap_budget), which is never
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
-    the speed at which a turn of --turn takes it.  Sliding is not included.
+    the speed at which a turn of --turn takes it.  Sliding is not included.  Of a recipe it also
+    prints from which speed a dead stop does not tip it, all contacts at once in each heading or one
+    contact alone in any.
 
     \b
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0
@@ -73,16 +77,22 @@ def budget(source: str, options: Options) -> None:
     """
     if not 0.0 < options.turn < math.inf:
         raise InputError(f"--turn: a radius above 0 m (got {options.turn:g}).")
+    if options.bump < 0.0:
+        raise InputError(f"--bump: a height of 0 m or more (got {options.bump:g}).")
     robot, limit = opened(source, options)
-    rows = budget_rows(robot, limit, postures(robot, options), options)
+    kind = "compiled" if Path(source).is_dir() else "exact"
+    rows = budget_rows(robot, limit, postures(robot, options), options, kind == "exact")
     report = {
         "robot": robot.name,
-        "source": "compiled" if Path(source).is_dir() else "exact",
+        "source": kind,
         "heading_deg": options.heading,
         "turn_m": options.turn,
+        "bump_m": options.bump,
         "budgets": rows,
     }
     flat = [{**row["posture"], **row} for row in rows]
+    for row in flat:
+        row |= {f"stop_at_{at}_deg_m_s": v for at, v in row.pop("stop_speeds_m_s", {}).items()}
     columns = {key: [row[key] for row in flat] for key in flat[0] if key != "posture"}
     output.save_columns(columns, options.output, options.force)
     output.show(report, lines, options.as_json)
@@ -140,9 +150,13 @@ def slopes_of(text: str) -> "Floats":
 
 
 def budget_rows(
-    robot: "Recipe", limit: "Callable[..., Floats]", postures: "Floats", options: Options
+    robot: "Recipe",
+    limit: "Callable[..., Floats]",
+    postures: "Floats",
+    options: Options,
+    stops: bool,
 ) -> list[dict[str, Any]]:
-    """Return a row for each posture (p, k) and slope."""
+    """Return a row for each posture (p, k) and slope, with speeds of `stops` if they are wanted."""
     import numpy as np
 
     from lutgen.analysis import tilted, turn_speed
@@ -163,9 +177,25 @@ def budget_rows(
             "posture": output.by_unit(robot, params[i]),
             "slope_deg": float(slope[i]),
             **{key: float(values[i]) for key, values in found.items()},
+            **(stop_entries(robot, params[i], down[i], options) if stops else {}),
         }
         for i in range(len(params))
     ]
+
+
+def stop_entries(
+    robot: "Recipe", params: "Floats", down: "Floats", options: Options
+) -> dict[str, Any]:
+    """Return the speeds from which a stop does not tip one posture, by heading (deg)."""
+    import numpy as np
+
+    from lutgen.analysis import Posture, even_headings, stop_speeds
+
+    around = even_headings(options.headings)
+    found = stop_speeds(Posture(robot, params), down, around, options.bump)
+    names = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()]
+    speeds = dict(zip(names, found.all_at_once.tolist(), strict=True))
+    return {"stop_speed_m_s": found.anyhow, "stop_speeds_m_s": speeds}
 
 
 def lines(report: dict[str, Any]) -> Iterator[str]:
@@ -178,13 +208,34 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
         "at the last speed"
     )
     for posture, group in itertools.groupby(report["budgets"], lambda row: row["posture"]):
-        rows = [["slope", *WAYS, "turn at"]]
-        for row in group:
+        rows, group_rows = [["slope", *WAYS, "turn at"]], list(group)
+        for row in group_rows:
             limits = [limit_text(row[f"{name.replace(' ', '_')}_m_s2"]) for name in WAYS]
             speed = output.cell(row["turn_speed_m_s"], ".2f", " m/s")
             rows.append([output.cell(row["slope_deg"], "g", " deg"), *limits, speed])
         yield output.posture_text(posture)
         yield from output.aligned(rows)
+        yield from stop_lines(group_rows, report["bump_m"])
+
+
+def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
+    """Return the speeds of stops as text, if there are any."""
+    if rows[0].get("stop_speed_m_s") is None:
+        return
+    on = f" on a bump of {bump:g} m" if bump else ""
+    yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"
+    table = [
+        ["slope", *(f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]), "one contact"]
+    ]
+    for row in rows:
+        speeds = [*row["stop_speeds_m_s"].values(), row["stop_speed_m_s"]]
+        table.append([output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)])
+    yield from output.aligned(table)
+
+
+def speed_text(speed: float | None) -> str:
+    """Return a speed as text, rounded down; none where it never tips."""
+    return "none" if speed is None else f"{math.floor(100.0 * speed) / 100.0:.2f}"
 
 
 def limit_text(value: float) -> str:

@@ -89,6 +89,10 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
     report["axes"] = axes
     if found.normal_forces:
         report |= output.entries(found, FORCES)
+        report["group_shares"] = {
+            group.name: sum(found.normal_forces.get(name, 0.0) for name in {*group.contacts})
+            for group in recipe.groups
+        }
     if found.facet is not None:
         report["support"] = {
             "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
@@ -202,6 +206,9 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
         yield from output.aligned(
             (f"  {name}", f"{share:.6f}", f"(paper's heuristic, Eq 12: {rough[name]:.6f})")
             for name, share in report["normal_forces"].items()
+        )
+        yield from output.aligned(
+            (f"  {name}", f"{share:.6f}") for name, share in report["group_shares"].items()
         )
 
 

@@ -11,7 +11,7 @@ from lutgen.cli import output
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
 
 if TYPE_CHECKING:
-    from lutgen.analysis import PostureLimits, SweepLimits
+    from lutgen.analysis import Posture, PostureLimits, SweepLimits
     from lutgen.recipe import Recipe
 
 # The curves of the figure have this many headings or more.
@@ -29,6 +29,11 @@ class Options(RecipeOptions, FigureOptions):
         "plane",
         "body",
         "Whether body tilt counts from level ground under it, or from a level body.",
+    )
+    least_share: tuple[tuple[str, float], ...] = option(
+        type=given.Numbers("NAME=SHARE", "share", "for example front=0.2"),
+        multiple=True,
+        help="Also up to which body tilt a group or contact carries this share of the weight.",
     )
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
 
@@ -69,6 +74,10 @@ def limits(recipe: str, options: Options) -> None:
     )
     report = limits_report(robot, found)
     report["posture_from"] = given.posture_source(robot, options.assignments) or "given"
+    if options.least_share:
+        report["share_limits"] = [
+            share_entry(posture, *one, options.convention) for one in options.least_share
+        ]
     if swept is not None and options.over_all:
         report["all_postures"] = all_postures(robot, swept)
     if swept is not None and options.best:
@@ -124,6 +133,18 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
         "forces_act": recipe.has_wrench,
         "stands_on_level_ground": found.stands,
     }
+
+
+def share_entry(posture: "Posture", name: str, share: float, convention: str) -> dict[str, Any]:
+    """Return up to which tilts a group or contact carries its share, and the least all round."""
+    import numpy as np
+
+    from lutgen.analysis import FOUR, even_headings, share_limits
+
+    around = share_limits(posture, name, share, even_headings(FIGURE), convention)
+    four = around[np.arange(len(FOUR)) * (FIGURE // len(FOUR))]
+    tilts = {key: down(tilt) for key, tilt in zip(FOUR, four.tolist(), strict=True)}
+    return {"name": name, "least_share": share, "tilt_deg": tilts, "worst_deg": down(around.min())}
 
 
 def down(angle: float) -> float:
@@ -190,6 +211,11 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
             f"slides on slopes above {angle_text(report['friction_angle_deg'])} "
             f"(friction {report['friction']:g}, all contacts braked)"
         )
+    for found in report.get("share_limits", ()):
+        percent, least = f"{100.0 * found['least_share']:g} %", angle_text(found["worst_deg"])
+        tilts = ", ".join(f"{key} {angle_text(tilt)}" for key, tilt in found["tilt_deg"].items())
+        yield f"{found['name']} carries {percent} of the weight up to a body tilt of"
+        yield f"  {tilts}; in the worst of {FIGURE} headings {least}"
     if "all_postures" in report:
         yield from all_lines(report["all_postures"])
     if "best_postures" in report:

@@ -75,6 +75,7 @@ def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, 
                 "heading_deg": heading,
                 "standing": found.standing[i],
                 "status": QUANTITIES["status"].word(found.status[i]),
+                "least_share": found.least_share[i],
                 **output.channel_entries({name: row[i] for name, row in found.values.items()}),
                 "normalised": {name: row[i] for name, row in found.normalised.items()},
                 **held[i],
@@ -95,14 +96,15 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         "force_angle_rad": f"force_angle rad{length}",
     }
     rolling = "holds" in report["headings"][0]
+    columns["least_share"] = "least share"
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in (report["level"], *report["headings"]):
         heading = f"{entry['heading_deg']:g}" if "heading_deg" in entry else "level"
-        cells = [output.cell(entry[key]) for key in columns]
+        cells = [output.cell(entry.get(key)) for key in columns]
         rows.append([heading, output.VERDICTS[entry["status"]], *cells])
         if rolling:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
             rows[-1].append(held)
     yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
     yield from output.posture_lines(report)
-    yield from output.aligned(rows, numbers=(0, *range(2, 8)))
+    yield from output.aligned(rows, numbers=(0, *range(2, 9)))

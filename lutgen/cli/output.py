@@ -81,7 +81,7 @@ def channel_entries(values: Mapping[str, float]) -> dict[str, Any]:
         elif one.words:
             entries[name] = one.word(value)
         else:
-            entries[one.json] = int(value) if one.unit == "1" else one.shown(value)
+            entries[one.json] = one.shown(value) if one.better else int(value)
     return entries
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from lutgen.chart import Chart
 from lutgen.grid import Grid
-from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
+from lutgen.parts import ZERO, Contact, Force, Group, Link, Parameter, Wheel
 from lutgen.vector import Vector
 
 
@@ -51,6 +51,7 @@ class Recipe:
     function: Callable[..., Any] | None = field(default=None, compare=False)
     wheels: tuple[Wheel, ...] = ()
     urdf: str | None = None
+    groups: tuple[Group, ...] = ()
     forces: tuple[Force, ...] = ()
     com_uncertainty: float = 0.0
     com_offset: Vector = ZERO

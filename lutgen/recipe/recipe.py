@@ -5,7 +5,7 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Force, Link
+from lutgen.parts import ZERO, Contact, Force, Group, Link
 from lutgen.recipe.code import load_function
 from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
@@ -119,6 +119,7 @@ def parse_recipe(
         function=function,
         wheels=wheels_of(robot, contacts),
         urdf=urdf if robot.urdf is not None else None,
+        groups=tuple(Group(one.name, tuple(one.contacts)) for one in robot.group),
         forces=tuple(
             Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
             for one in robot.force

@@ -112,6 +112,13 @@ def part_faults(
         way_out = "add contacts" if len(contacts) < 3 else way_out
         yield Fault("robot.contact", what, len(contacts), way_out)
     yield from _wheel_faults(robot, {contact.name: contact for contact in contacts})
+    yield from twice("robot.group", [[one.name] for one in robot.group])
+    for place, group in enumerate(robot.group, 1):
+        key, known = f"robot.group[{place}].contacts", [contact.name for contact in contacts]
+        if not group.contacts:
+            yield Fault(key, "names no contact", group.contacts, "name one or more")
+        for name in group.contacts:
+            yield from known_name(key, name, known, "contact")
     if robot.mass is not None and not massive:
         what = "counts for nothing on a robot without masses"
         yield Fault("robot.mass", what, robot.mass, "give its links masses in kg")

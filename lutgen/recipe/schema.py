@@ -182,6 +182,13 @@ class Wheel(Table):
     )
 
 
+class Group(Table):
+    """Contacts that carry together, for `least_share`."""
+
+    name: Text = key("A name of its own.", "front")
+    contacts: list[Text] = key("The contacts.", ["front_left", "front_right"])
+
+
 class Payload(Table):
     """What the robot carries."""
 
@@ -246,6 +253,7 @@ class Robot(Table):
     link: list[Link] = tables("Rigid parts, a tree with the root `body`.")
     contact: list[Contact] = tables(f"Places that can touch the ground, 3 to {MAX_CONTACTS}.")
     wheel: list[Wheel] = tables("Contacts that are driven, for `lutgen wheels`.")
+    group: list[Group] = tables("Contacts that carry together; without any each alone.")
     payload: list[Payload] = tables("What the robot carries.")
     force: list[Force] = tables("What pulls at it; no export and no `energy_margin` then.")
 

@@ -75,11 +75,12 @@ def _angle(first: Floats, second: Floats) -> float:
 
 
 def falls(posture: Posture, begin: Start, gravity_dir: Floats) -> bool:
-    """Let a robot go at rest, and tell whether it fell.
+    """Let a robot go at rest, and tell whether it fell."""
+    return fell(Run(posture, begin, gravity_dir), posture)
 
-    It fell if it ends more than `rock_angle` from where it began, or beyond `upright`.
-    """
-    run = Run(posture, begin, gravity_dir)
+
+def fell(run: Run, posture: Posture) -> bool:
+    """Watch a robot, and tell whether it ends more than `rock_angle` away, or beyond `upright`."""
     while run.data.time < SECONDS and run.turned <= OVER and not run.resting:
         run.step()
     lying = -run.normals[-1][2] < math.cos(min(math.pi, posture.upright + STILL))

@@ -149,6 +149,22 @@ def test_budgets_of_a_recipe_are_where_it_tips() -> None:
     assert turn_speed(8.0, 2.0) == pytest.approx(4.0)
 
 
+def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path: Path) -> None:
+    table = tmp_path / "stops.csv"
+    more = ("--slope", "0:10:10", "--headings", 4, "--force", "-o", table)
+    low, high = (
+        budget("maps/excavator.toml", *more, "--bump", bump)["budgets"] for bump in (0.05, 0)
+    )
+    assert list(high[0]["stop_speeds_m_s"]) == ["0", "90", "180", "270"]
+    for one, other in zip(low, high, strict=True):
+        assert (
+            one["stop_speed_m_s"] < other["stop_speed_m_s"] < min(other["stop_speeds_m_s"].values())
+        )
+    rows = list(csv.DictReader(table.open()))
+    assert float(rows[1]["stop_at_90_deg_m_s"]) == high[1]["stop_speeds_m_s"]["90"]
+    assert budget(RECIPE)["budgets"][0]["stop_speed_m_s"] is None
+
+
 def test_the_c_says_nearly_the_exact_budget_and_never_more(firmware: Path) -> None:
     more = ("--over", "alpha=0:40", "--steps", 4, "--slope", "0:20:10", "--heading", 90)
     exact, told = (budget(of, *more)["budgets"] for of in (RECIPE, firmware / "paper_firmware"))

@@ -79,6 +79,7 @@ def test_info_tells_axes_ranges_and_provenance_of_the_stored_values() -> None:
     assert {name: entry["unit"] for name, entry in channels.items()} == {
         **dict.fromkeys(("sdg", "height", "margin", "energy_margin"), "m"),
         "tip_angle": "deg",
+        "least_share": "1",
         "facet": "1",
     }
     assert 0.0 < report["share_that_tips"] < 1.0

@@ -135,7 +135,7 @@ def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:
     assert units == {
         **dict.fromkeys(("sdg", "height", "margin", "energy_margin", "reach"), "m"),
         **dict.fromkeys(("tip_angle", "swing"), "rad"),
-        **dict.fromkeys(("facet", "status", "face", "v", "u"), "1"),
+        **dict.fromkeys(("least_share", "facet", "status", "face", "v", "u"), "1"),
     }
     # Level ground: no tilt, at the smallest reach and the middle swing.
     level = data.sel(reach=0.0, face=0).isel(swing=1).sel(u=0.0, v=0.0)

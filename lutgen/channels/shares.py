@@ -1,0 +1,113 @@
+"""How contacts share the weight, and the least share of a contact or of a group of them.
+
+Statics leaves the shares open on more than three contacts.  Of all that balance and nowhere pull
+those of the least sum of squares are taken: what equal springs under a rigid body carry, by
+Castigliano's theorem of least work.
+"""
+
+import math
+
+import numpy as np
+
+from lutgen.jit import njit
+from lutgen.support import SHOWN, STANDS, TIPS, Region, plane_axes, support_contact
+from lutgen.vector import Floats, Ints, Vector, cross, dot, read3, row, scale, subtract
+
+# Newton's steps: a handful are taken.
+STEPS = 200
+# A balance of the weight (1) that is missed by less is none.
+BALANCED = 1e-15
+# What is added to the second derivatives (of 1): contacts in a line would leave them singular.
+RIDGE, MOST_RIDGE = 1e-15, 1e6
+
+
+@njit(bare=True)
+def _residual(arm: Floats, spring: Vector, shares: Floats) -> tuple[float, Vector]:
+    """Fill the shares (n,) of springs that cannot pull; return what is to be least, and its slope.
+
+    `spring` are the coefficients of an affine function of the place, the lengths of springs.
+    """
+    total, x, y, half = 0.0, 0.0, 0.0, 0.0
+    for i in range(arm.shape[0]):
+        share = max(spring[0] + spring[1] * arm[i, 0] + spring[2] * arm[i, 1], 0.0)
+        shares[i] = share
+        total, x, y = total + share, x + share * arm[i, 0], y + share * arm[i, 1]
+        half += 0.5 * share * share
+    return half - spring[0], (total - 1.0, x, y)
+
+
+@njit()
+def _step(arm: Floats, shares: Floats, slope: Vector, ridge: float) -> Vector:
+    """Return Newton's step: the slope over the second derivatives of the springs that push."""
+    moments = ridge * np.eye(3)
+    for i in range(arm.shape[0]):
+        if shares[i] > 0.0:
+            here = (1.0, arm[i, 0], arm[i, 1])
+            for j in range(3):
+                for k in range(3):
+                    moments[j, k] += here[j] * here[k]
+    a, b, c = row(moments, 0), row(moments, 1), row(moments, 2)
+    first, second, third = cross(b, c), cross(c, a), cross(a, b)
+    size = 1.0 / dot(a, first)
+    return scale((dot(first, slope), dot(second, slope), dot(third, slope)), size)
+
+
+@njit()
+def smallest_shares(arm: Floats, shares: Floats) -> None:
+    """Fill the shares (n,) of a weight on contacts at places (n, 2) from where it acts.
+
+    They add up to 1, balance, and none is negative; of all such they have the least sum of squares.
+    By duality they are the positive part of an affine function of the place, whose coefficients
+    are the least of a convex function: Newton's method, damped after Levenberg, ends there.
+    """
+    size = 0.0
+    for i in range(arm.shape[0]):
+        size = max(size, math.hypot(arm[i, 0], arm[i, 1]))
+    arm = arm / max(size, 1e-300)
+    spring, ridge = (1.0 / arm.shape[0], 0.0, 0.0), RIDGE
+    value, slope = _residual(arm, spring, shares)
+    for _ in range(STEPS):
+        missed = math.sqrt(dot(slope, slope))
+        if missed < BALANCED or ridge > MOST_RIDGE:
+            break
+        there = subtract(spring, _step(arm, shares, slope, ridge))
+        found, beyond = _residual(arm, there, shares)
+        if found < value or (found < value + BALANCED and dot(beyond, beyond) < missed * missed):
+            spring, value, slope, ridge = there, found, beyond, max(0.01 * ridge, RIDGE)
+        else:
+            ridge *= 10.0
+            _residual(arm, spring, shares)
+    shares /= shares.sum()
+
+
+@njit()
+def least_share(region: Region, k: int, status: int, pierced: Vector, groups: Ints) -> float:
+    """Return the least share of the weight that a group carries on seat k, D_g being `pierced`.
+
+    `groups` (n,) are bits of rows of the recipe's contacts; of none each contact that touches the
+    facet counts by itself.  NaN where the robot tips, and 0 where it rocks, over two contacts.
+    """
+    if status != STANDS:
+        return math.nan if status == TIPS else 0.0
+    seat, shown = region.seat[k], region.shown
+    normal = read3(seat.normal)
+    one, two = plane_axes(normal)
+    arm, bits = np.empty((region.counts[SHOWN], 2)), np.empty(region.counts[SHOWN], np.int64)
+    count = 0
+    for i in range(region.counts[SHOWN]):
+        if seat.mask >> i & 1:
+            away = subtract(support_contact(shown, i, normal), pierced)
+            arm[count, 0], arm[count, 1] = dot(one, away), dot(two, away)
+            bits[count] = 1 << region.source[i]
+            count += 1
+    shares = np.empty(count)
+    smallest_shares(arm[:count], shares)
+    if groups.shape[0] == 0:
+        return float(shares.min())
+    least = 1.0
+    for group in groups:
+        carried = 0.0
+        for i in range(count):
+            carried += shares[i] if group & bits[i] else 0.0
+        least = min(least, carried)
+    return least

@@ -1,0 +1,90 @@
+"""Speeds of dead stops: closed forms of a box on feet, and what the C makes of a reading."""
+
+import math
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from firmware_export.host import RUNTIME
+from lutgen.analysis import Posture, stop_speeds
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.recipes import feet, rigid
+
+X, Y, Z, G = 0.3, 0.2, 0.5, 9.80665
+CORNERS = np.array([[X, Y, -Z], [X, -Y, -Z], [-X, Y, -Z], [-X, -Y, -Z]])
+LEVEL = np.array([0.0, 0.0, -1.0])
+SIDE, LEAN = math.hypot(Y, Z), math.atan2(Y, Z)  # from the com to the nearer edge
+
+
+def box(scale: float = 1.0, **more: str) -> Posture:
+    return Posture(lutgen.parse_recipe(rigid(feet(scale * CORNERS), **more)), [])
+
+
+def speeds(
+    down: np.ndarray = LEVEL, bump: float = 0.0, degrees: float = 0.0
+) -> tuple[float, float]:
+    found = stop_speeds(box(), down, np.radians([degrees]), bump)
+    return float(found.all_at_once[0]), found.anyhow
+
+
+@pytest.mark.parametrize(
+    ("degrees", "kept"),
+    [
+        (0.0, (Z / math.hypot(X, Z)) ** 2),
+        (90.0, (Z / SIDE) ** 2),
+        # Off straight the impulse wanders along the edge, to its end: then the corner is the pivot.
+        (-5.0, (Z / math.hypot(X, Z) * math.cos(math.radians(5.0))) ** 2),
+        (math.degrees(math.atan2(Y, X)), Z * Z / (X * X + Y * Y + Z * Z)),
+    ],
+)
+def test_what_a_stop_leaves_lifts_the_com_to_the_least_edge_and_no_further(
+    degrees: float, kept: float
+) -> None:
+    whole = math.sqrt(2.0 * G * (SIDE - Z))
+    assert speeds(degrees=degrees) == pytest.approx((whole / math.sqrt(kept), whole), rel=1e-9)
+
+
+def test_a_slope_and_a_bump_leave_what_the_com_has_yet_to_rise() -> None:
+    t = math.radians(10.0)
+    down = np.array([0.0, math.sin(t), -math.cos(t)])  # left side down
+    assert speeds(down)[1] == pytest.approx(math.sqrt(2.0 * G * SIDE * (1 - math.cos(LEAN - t))))
+    # The lean that lifts the com most is that over the front: a long side turns less.
+    turn, lean = math.asin(0.02 / (2.0 * X)), math.atan2(X, Z)
+    risen = math.hypot(X, Z) * (math.cos(lean - turn) - math.cos(lean))
+    assert speeds(bump=0.02)[1] == pytest.approx(math.sqrt(2.0 * G * (SIDE - Z - risen)))
+    assert speeds(bump=0.3) == speeds(bump=1.0) == speeds(np.array([0.0, 1.0, -1.0])) == (0.0, 0.0)
+
+
+def test_units_count_and_what_is_not_known_is_no_number() -> None:
+    for unit, scale in (("mm", 1000.0), ("cm", 100.0)):
+        found = stop_speeds(box(scale, unit=unit), LEVEL, [0.0]).anyhow
+        assert found == pytest.approx(speeds()[1])
+    assert math.isnan(stop_speeds(box(unit="1"), LEVEL, [0.0]).anyhow)
+
+
+def test_the_c_is_never_above_and_little_below_where_an_edge_is_near(tmp_path: Path) -> None:
+    (tmp_path / "stop.c").write_text(
+        '#include "smap.h"\n#include <stdio.h>\nint main(void)\n{\n  smap_reading_t r;\n'
+        '  float h;\n  int gaps;\n  while (scanf("%f %f %d", &r.tip_angle, &h, &gaps) == 3)\n'
+        '    printf("%.9g\\n", (double)smap_stop_speed(&r, h, gaps));\n  return 0;\n}\n'
+    )
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{RUNTIME}"]
+    compile_c([*flags, "stop.c", "-o", "stop"], tmp_path)
+    tip = np.concatenate([np.geomspace(1e-3, 1.57, 200), [3.14, -0.1, -3.14]])
+    lines = [f"{angle} {height} 0" for angle in tip for height in (0.01, 0.5, 20.0)]
+    asked = "\n".join([*lines, "0.3 0.5 1", "0.3 nan 0"])
+    told = subprocess.run([tmp_path / "stop"], input=asked, capture_output=True, text=True).stdout
+    found = np.array(told.split(), float)
+    true = np.sqrt(2.0 * G * np.outer(1.0 - np.cos(np.clip(tip, 0.0, None)), (0.01, 0.5, 20.0)))
+    share = found[:600] / true.ravel()[:600]
+    assert share.max() < 1.0
+    assert share.min() > 0.93
+    assert (found[600:603] > 0.0).all()
+    assert (found[603:] == 0.0).all()
+    down = np.array([math.sin(0.2), 0.1, -math.cos(0.2)])
+    angle = lutgen.evaluate(box().recipe, [[]], down, ("tip_angle",))["tip_angle"][0, 0]
+    # H = r cos(lean) of a com above the middle, and the angle to the nearest edge.
+    assert math.sqrt(2.0 * G * Z * (1.0 - math.cos(angle))) < speeds(down)[1]
