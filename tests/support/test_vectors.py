@@ -70,30 +70,17 @@ def tilted(heading: str, tilt: float) -> Floats:
 HEADINGS = ("nose_down", "nose_up", "left", "right")
 
 
-def test_stability_gives_the_papers_stability_factor_in_both_conventions() -> None:
+def test_points_and_recipe_of_the_papers_robot_have_its_stability_factor() -> None:
     table = rows("paper_sdg.csv")
     assert len(table) == 42
-    for row in table:
-        wheels = paper_wheels(angle(row["alpha_deg"]), angle(row["gamma_deg"]))
-        got = lutgen.stability(wheels[None], down_of(wheels, row["convention"])[None], ["sdg"])
-        assert got["sdg"].shape == (1, 1)
-        assert got["sdg"][0, 0] == pytest.approx(float(row["sdg"]), abs=tolerance(row)), row
-
-
-def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventions() -> None:
-    recipe = lutgen.parse_recipe(WIDE)
-    table = rows("paper_sdg.csv")
     params = np.array([[angle(row["alpha_deg"]), angle(row["gamma_deg"])] for row in table])
-    gravity = np.stack(
-        [
-            down_of(paper_wheels(*pair), row["convention"])
-            for pair, row in zip(params, table, strict=True)
-        ]
-    )
-    got = lutgen.evaluate(recipe, params, gravity, channels=("sdg",))["sdg"]
-    assert got.shape == (len(table), len(table))
-    for value, row in zip(np.diagonal(got), table, strict=True):
-        assert value == pytest.approx(float(row["sdg"]), abs=tolerance(row)), row
+    wheels = [paper_wheels(*pair) for pair in params]
+    gravity = [down_of(at, row["convention"]) for at, row in zip(wheels, table, strict=True)]
+    got = lutgen.evaluate(lutgen.parse_recipe(WIDE), params, gravity, channels=("sdg",))["sdg"]
+    for k, row in enumerate(table):
+        of_points = lutgen.stability(wheels[k], gravity[k], ["sdg"])["sdg"].item()
+        expected = pytest.approx(float(row["sdg"]), abs=tolerance(row))
+        assert (of_points, got[k, k]) == (expected, expected), row
 
 
 def test_height_of_the_papers_robot_equals_the_table() -> None:
