@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support import ARCS, EDGES, Region, ends_of, rests_at
+from lutgen.support import ARCS, EDGES, Region, ends_of, record, rests_at
 from lutgen.vector import (
     Floats,
     Vector,
@@ -43,21 +43,8 @@ SHARED = 1e-12
 # m; e; unit vector from the com towards the axis; d; the moment's part of L; o; sine and cosine of
 # beta; o with the uncertainty's bound; least distance of the segment from the com; and, without a
 # moment, the directions under which the resultant goes through its ends, NaN for none.
-AXIS = np.dtype(
-    [
-        ("normal", "f8", 3),
-        ("along", "f8", 3),
-        ("towards", "f8", 3),
-        ("distance", "f8"),
-        ("moment", "f8"),
-        ("offset", "f8"),
-        ("sine", "f8"),
-        ("cosine", "f8"),
-        ("bound", "f8"),
-        ("nearest", "f8"),
-        ("ends", "f8", (4, 3)),
-    ]
-)
+VECTORS, NUMBERS = "normal along towards", "distance moment offset sine cosine bound nearest"
+AXIS = record(VECTORS, NUMBERS, "", ("ends", "f8", (4, 3)))
 
 
 class Axes(NamedTuple):

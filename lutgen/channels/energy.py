@@ -12,13 +12,13 @@ from lutgen.support import (
     SHOWN,
     Region,
     arc_between,
-    arrived,
     edge_after,
     ends_of,
     is_inner,
     is_same_rest,
     rests_at,
     roll_over,
+    turned,
 )
 from lutgen.vector import Vector, between, cross, dot, length, read3, scale, subtract
 
@@ -95,9 +95,9 @@ def _over_held(region: Region, e: int, g: Vector) -> float:
     pair = edge[e].primitive, edge[edge_after(region, e)].primitive
     normals = read3(region.seat[here].normal), read3(region.seat[there].normal)
     path, first, _ = arc_between(primitives, pair, normals)
-    roll = roll_over(path, first)
-    before = between(start, stop, w)
-    beyond = _over_rest(region, there, edge[e].twin, arrived(roll, g)) - dot(roll.sunk, g)
+    twist, sunk = roll_over(path, first)
+    last, before = turned(normals[0], normals[1], twist, g), between(start, stop, w)
+    beyond = _over_rest(region, there, edge[e].twin, last) - dot(sunk, g)
     return max(segment_energy(before, before, g), beyond)
 
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.angles import JUST_OUTSIDE, arc_angle
+from lutgen.channels.angles import JUST_OUTSIDE, arc_angle, arcsine
 from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
 from lutgen.channels.exact import FACET, HEIGHT, MARGIN, SDG, STATUS, TIP, axis_margin
 from lutgen.channels.shares import least_share
@@ -89,11 +89,6 @@ def share_of(region: Region, values: Floats, force: Vector, mu: Vector, groups: 
     return least_share(region, k, status, pierced, groups)
 
 
-@njit(inline=True)
-def _asin(sine: float) -> float:
-    return math.asin(min(max(sine, -1.0), 1.0))
-
-
 @njit(bare=True)
 def turned_sine(axes: NDArray[np.void], b: int, g: Vector) -> float:
     """Return the least m' . g over all planes through an axis turned by up to beta either way.
@@ -115,7 +110,7 @@ def whole_axis_angle(axes: NDArray[np.void], b: int, g: Vector) -> float:
         return math.pi
     if bound <= ALWAYS:
         return -math.pi
-    return _asin(turned_sine(axes, b, g)) + math.asin(bound)
+    return arcsine(turned_sine(axes, b, g)) + math.asin(bound)
 
 
 @njit(bare=True)
@@ -131,7 +126,7 @@ def loaded_arc(region: Region, axes: Axes, b: int, phi: Vector, g: Vector) -> fl
         force = add(along(scale(flat, root), m, -offset), phi)
         before, behind = cross(m, read3(arc.start)), cross(read3(arc.stop), m)
         if dot(before, force) >= 0.0 and dot(behind, force) >= 0.0:
-            return abs(_asin(aside) + math.asin(offset))
+            return abs(arcsine(aside) + math.asin(offset))
     nearest = math.pi
     for end in range(4):
         point = read3(axis.ends[end])
@@ -158,7 +153,7 @@ def reduced_arc(region: Region, axes: Axes, b: int, rho: float, g: Vector) -> fl
         side = read3(axis.along)
         place = axis.distance * axis.cosine * dot(side, g) / ahead
         if dot(start, side) <= place <= dot(stop, side):
-            return _asin(axis.cosine * abs(aside) - axis.sine * dot(towards, g))
+            return arcsine(axis.cosine * abs(aside) - axis.sine * dot(towards, g))
     nearest = math.pi
     for end in range(2):
         point = start if end == 0 else stop

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.angles import HALF_PI, JUST_OUTSIDE, tip_angle
+from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
 from lutgen.channels.exact import FACET, HEIGHT, SDG, STATUS, TIP
 from lutgen.chart import Chart
 from lutgen.jit import njit
@@ -228,7 +228,7 @@ def _arcsine(x: float) -> np.float32:
     p = p * z + np.float32(7.4953002686e-2)
     p = p * z + np.float32(1.6666752422e-1)
     angle = p * z * s + s
-    angle = np.float32(HALF_PI) - np.float32(2.0) * angle if steep else angle
+    angle = np.float32(0.5 * math.pi) - np.float32(2.0) * angle if steep else angle
     return np.float32(math.copysign(angle, np.float32(x)))
 
 

@@ -5,12 +5,11 @@ In reading order: `primitive`, `table`, `polygon`, `covered`, `tilting`, `gather
 """
 
 from lutgen.support.covered import STICKS_OUT, lies_within
-from lutgen.support.polygon import outline, plane_axes
+from lutgen.support.polygon import plane_axes
 from lutgen.support.primitive import (
     DISC,
     FACE_ANGLE,
     KIND,
-    POINT,
     RADIUS,
     SPHERE,
     pack,
@@ -18,7 +17,7 @@ from lutgen.support.primitive import (
     support_height,
 )
 from lutgen.support.region import ON_AXIS, cone_of, seat_under
-from lutgen.support.rolling import arc_between, arrived, roll_over
+from lutgen.support.rolling import arc_between, roll_over, turned
 from lutgen.support.search import stand
 from lutgen.support.table import (
     ACCEPTED,
@@ -41,6 +40,7 @@ from lutgen.support.table import (
     ends_of,
     is_inner,
     is_same_rest,
+    record,
     rests_at,
     robot_size,
 )
@@ -58,7 +58,6 @@ __all__ = [
     "MAX_PRIMITIVES",
     "OFF_FACE",
     "ON_AXIS",
-    "POINT",
     "RADIUS",
     "ROCKS",
     "SHOWN",
@@ -70,7 +69,6 @@ __all__ = [
     "Region",
     "acceptance",
     "arc_between",
-    "arrived",
     "cone_of",
     "edge_after",
     "empty_region",
@@ -78,9 +76,9 @@ __all__ = [
     "is_inner",
     "is_same_rest",
     "lies_within",
-    "outline",
     "pack",
     "plane_axes",
+    "record",
     "rests_at",
     "robot_size",
     "roll_over",
@@ -88,4 +86,5 @@ __all__ = [
     "stand",
     "support_contact",
     "support_height",
+    "turned",
 ]

@@ -12,8 +12,6 @@ from lutgen.support.region import add_arc, add_wall
 from lutgen.support.rolling import (
     Places,
     arc_between,
-    arrived,
-    before,
     held_by,
     roll_over,
     turned,
@@ -229,14 +227,14 @@ def _held(
 ) -> tuple[float, float]:
     """Return the part [low, high] of an edge from which the robot stays, whichever way it rolls."""
     here, twin = seat_of(region, e), region.edge[e].twin
-    roll = roll_over(normals, first)
-    g0, g1 = arrived(roll, first[0]), arrived(roll, second[0])
-    sunk = dot(roll.sunk, first[0]), dot(roll.sunk, second[0])
-    low, high = _landing(region, seat_of(region, twin), twin, (g0, g1), sunk)
+    start, stop, (twist, sunk) = normals[0], normals[4], roll_over(normals, first)
+    g0, g1 = turned(start, stop, twist, first[0]), turned(start, stop, twist, second[0])
+    below = dot(sunk, first[0]), dot(sunk, second[0])
+    low, high = _landing(region, seat_of(region, twin), twin, (g0, g1), below)
     if not low < high:
         return 1.0, 0.0
-    g0, g1 = before(roll, first[4]), before(roll, second[4])
-    w0, w1 = _landing(region, here, e, (g0, g1), (-dot(roll.sunk, g0), -dot(roll.sunk, g1)))
+    g0, g1 = turned(stop, start, -twist, first[4]), turned(stop, start, -twist, second[4])
+    w0, w1 = _landing(region, here, e, (g0, g1), (-dot(sunk, g0), -dot(sunk, g1)))
     return max(low, w0), min(high, w1)
 
 

@@ -62,7 +62,7 @@ def _widest_plane(
 
 
 @njit(bare=True)
-def _bits(mask: int) -> int:
+def bit_count(mask: int) -> int:
     """Return how many bits are set."""
     count = 0
     while mask != 0:
@@ -114,7 +114,10 @@ def _are_one(
 ) -> bool:
     """Tell whether a plane and facet f share three contacts that are not in a line."""
     common = region.facet[f].mask & mask
-    if _bits(common) < 3 or length(subtract(read3(region.facet[f].normal), normal)) > ONE_NORMAL:
+    if (
+        bit_count(common) < 3
+        or length(subtract(read3(region.facet[f].normal), normal)) > ONE_NORMAL
+    ):
         return False
     return common == mask or corners_of(primitives, common, normal, ROW * same, region) > 0
 
@@ -164,7 +167,7 @@ def facet_at(
     one facet.
     """
     facet, count = region.facet, region.counts
-    if _bits(mask) > 3:
+    if bit_count(mask) > 3:
         better, good = _widest_plane(primitives, mask, normal, i, same)
         if good:
             normal = better

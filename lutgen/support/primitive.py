@@ -88,12 +88,6 @@ def support_height(primitives: Floats, i: int, normal: Vector) -> float:
 
 
 @njit(inline=True, bare=True)
-def sine_to_axle(primitives: Floats, i: int, normal: Vector) -> float:
-    """Return the sine between a unit `normal` and the axis of primitive i; 1 if it has none."""
-    return length(cross(axle(primitives, i), normal)) if primitives[i, KIND] == DISC else 1.0
-
-
-@njit(inline=True, bare=True)
 def are_alike(primitives: Floats, i: int, j: int) -> bool:
     """Tell whether the contacts of two primitives are as far apart on every plane.
 

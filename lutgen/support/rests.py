@@ -5,8 +5,9 @@ four wheels whose positions are off by a little make up one rectangle.
 """
 
 from lutgen.jit import njit
+from lutgen.support.gather import bit_count
 from lutgen.support.polygon import corners_of, measure_polygon, plane_axes
-from lutgen.support.primitive import sine_to_axle, support_contact, support_height
+from lutgen.support.primitive import DISC, KIND, axle, support_contact, support_height
 from lutgen.support.table import (
     ACCEPTED,
     EDGES,
@@ -17,7 +18,7 @@ from lutgen.support.table import (
     asks_nothing,
     rests_at,
 )
-from lutgen.vector import Floats, along, dot, length, read3, scale, subtract, write3
+from lutgen.vector import Floats, along, cross, dot, length, read3, scale, subtract, write3
 
 # Rests that a shorter turn (rad) joins are one rest.
 ONE_REST = 2e-4
@@ -33,7 +34,9 @@ def _is_accepted(
     if not (facet.height > max(accept.least_height, same) and -normal[2] > accept.steepest):
         return False
     for e in range(facet.first, facet.first + facet.count):
-        if sine_to_axle(primitives, region.edge[e].primitive, normal) < accept.face:
+        i = region.edge[e].primitive
+        sine = length(cross(axle(primitives, i), normal))
+        if primitives[i, KIND] == DISC and sine < accept.face:
             return False
     return True
 
@@ -42,15 +45,15 @@ def _is_accepted(
 def _seat_at(primitives: Floats, region: Region, place: int, f: int, accept: Acceptance) -> None:
     """Fill the row `place` of the accepted facets."""
     seat = region.seat[place]
-    normal, height, mask = (
-        read3(region.facet[f].normal),
-        region.facet[f].height,
-        region.facet[f].mask,
-    )
-    corners = corners_of(primitives, mask, normal, 0.0, region)
-    points = region.polygon[:corners]
+    facet = region.facet[f]
+    normal, height, mask, corners = read3(facet.normal), facet.height, facet.mask, facet.count
     for k in range(corners):
-        write3(points[k], support_contact(primitives, region.ids[k], normal))
+        write3(region.polygon[k], read3(region.edge[facet.first + k].point))
+    if bit_count(mask) > corners:
+        corners = corners_of(primitives, mask, normal, 0.0, region)
+        for k in range(corners):
+            write3(region.polygon[k], support_contact(primitives, region.ids[k], normal))
+    points = region.polygon[:corners]
     centroid, width = measure_polygon(points, normal)
     first, second = plane_axes(normal)
     plane = scale(normal, 1.0 / height)

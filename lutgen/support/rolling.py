@@ -6,7 +6,6 @@ in g.
 """
 
 import math
-from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, tangent_plane
@@ -26,19 +25,6 @@ BOOLE = (
 CHORDS, HALF = 0.75, 0.125
 
 
-class Roll(NamedTuple):
-    """A roll from the normal `start` to `stop`.
-
-    `twist`: tan of half the angle (rad) that gravity turns about the normal beyond the least
-    rotation.  The com sinks by sunk . g under the gravity g before the roll.
-    """
-
-    start: Vector
-    stop: Vector
-    twist: float
-    sunk: Vector
-
-
 @njit(inline=True, bare=True)
 def turned(start: Vector, stop: Vector, twist: float, g: Vector) -> Vector:
     """Return g after a rotation from one unit vector to another, not opposite one.
@@ -49,18 +35,6 @@ def turned(start: Vector, stop: Vector, twist: float, g: Vector) -> Vector:
     axis = scale(axis, 1.0 / (1.0 + dot(start, stop)))
     moved = cross(axis, g)
     return along(g, add(moved, cross(axis, moved)), 2.0 / (1.0 + dot(axis, axis)))
-
-
-@njit(inline=True, bare=True)
-def arrived(roll: Roll, g: Vector) -> Vector:
-    """Return gravity after a roll."""
-    return turned(roll.start, roll.stop, roll.twist, g)
-
-
-@njit(inline=True, bare=True)
-def before(roll: Roll, g: Vector) -> Vector:
-    """Return gravity before a roll after which it is g."""
-    return turned(roll.stop, roll.start, -roll.twist, g)
 
 
 @njit(bare=True)
@@ -114,11 +88,12 @@ def _twist(a: Vector, b: Vector, c: Vector) -> float:
 
 
 @njit(bare=True)
-def roll_over(normals: Places, places: Places) -> Roll:
-    """Return the roll over an arc, from its normals and from where they touch one primitive.
+def roll_over(normals: Places, places: Places) -> tuple[float, Vector]:
+    """Return how a robot rolls over an arc: the twist of gravity, and how far the com sinks.
 
-    The sunk height is the integral for polynomials through the five places (BOOLE).  The angle
-    about the normal is the area between the arc and its chord on the sphere.
+    Of gravity g it sinks by the second . g: the integral for polynomials through the five places
+    (BOOLE) at which the planes touch one primitive.  The angle about the normal is the area between
+    the arc and its chord on the sphere.
     """
     a, b, c, d, e = normals
     half, rest = _twist(a, b, c) / CHORDS, _twist(c, d, e) / CHORDS
@@ -130,7 +105,7 @@ def roll_over(normals: Places, places: Places) -> Roll:
         for i in range(5):
             share = along(share, places[i], BOOLE[i][j])
         sunk = subtract(sunk, turned(normals[j], a, -twists[j], share))
-    return Roll(a, e, twist, sunk)
+    return twist, sunk
 
 
 @njit(inline=True, bare=True)

@@ -6,7 +6,7 @@ until a third one touches: the facet beyond, whose own edge is the *twin*.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,52 +28,18 @@ NO_LIMIT = -2.0
 # Entries of Region.counts.
 FACETS, EDGES, ACCEPTED, CONES, WALLS, ARCS, CONVEX, SHOWN = range(8)
 
-VECTOR = ("f8", 3)
-FACET = np.dtype(
-    [
-        ("normal", *VECTOR),
-        ("height", "f8"),
-        ("mask", "i8"),
-        ("first", "i8"),
-        ("count", "i8"),
-        ("place", "i8"),
-    ]
-)
-EDGE = np.dtype(
-    [
-        ("point", *VECTOR),
-        ("wall", *VECTOR),
-        ("held", "f8", 2),
-        ("primitive", "i8"),
-        ("facet", "i8"),
-        ("twin", "i8"),
-    ]
-)
-SEAT = np.dtype(
-    [
-        ("normal", *VECTOR),
-        ("plane", *VECTOR),
-        ("axes", "f8", (2, 3)),
-        ("centroid", *VECTOR),
-        ("height", "f8"),
-        ("mask", "i8"),
-        ("facet", "i8"),
-        ("group", "i8"),
-        ("is_rest", "i8"),
-    ]
-)
-CONE = np.dtype([("first", "i8"), ("count", "i8"), ("seat", "i8"), ("status", "i8")])
-ARC = np.dtype(
-    [
-        ("start", *VECTOR),
-        ("stop", *VECTOR),
-        ("wall", *VECTOR),
-        ("along", *VECTOR),
-        ("amid", *VECTOR),
-        ("spread", "f8"),
-        ("contacts", "i8", 2),
-    ]
-)
+
+def record(vectors: str, numbers: str, integers: str, *others: tuple[Any, ...]) -> Any:
+    """Return the type of a row, from the names of its fields by kind."""
+    kinds = (vectors, "3f8"), (numbers, "f8"), (integers, "i8")
+    return np.dtype([*((name, kind) for names, kind in kinds for name in names.split()), *others])
+
+
+FACET = record("normal", "height", "mask first count place")
+EDGE = record("point wall", "", "primitive facet twin", ("held", "f8", 2))
+SEAT = record("normal plane centroid", "height", "mask facet group is_rest", ("axes", "f8", (2, 3)))
+CONE = record("", "", "first count seat status")
+ARC = record("start stop wall along amid", "spread", "", ("contacts", "i8", 2))
 
 
 class Acceptance(NamedTuple):
@@ -211,16 +177,10 @@ def seat_of(region: Region, e: int) -> int:
 
 
 @njit(inline=True, bare=True)
-def seat_beyond(region: Region, e: int) -> int:
-    """Return the accepted facet beyond an edge, or -1."""
-    twin = region.edge[e].twin
-    return -1 if twin < 0 else seat_of(region, twin)
-
-
-@njit(inline=True, bare=True)
 def rests_at(region: Region, e: int) -> tuple[int, int]:
     """Return the rests on both sides of an edge; -1, -1 unless there are two."""
-    here, there = seat_of(region, e), seat_beyond(region, e)
+    here, twin = seat_of(region, e), region.edge[e].twin
+    there = seat_of(region, twin) if twin >= 0 else -1
     if here < 0 or there < 0 or not (region.seat[here].is_rest and region.seat[there].is_rest):
         return -1, -1
     return here, there

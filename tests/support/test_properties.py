@@ -112,20 +112,6 @@ def test_turning_mirroring_scaling_and_numbering_change_nothing_but_the_lengths(
 
 
 @bounded
-@given(whole_robots, seeds)
-def test_the_order_of_contacts_at_whole_numbers_does_not_matter(
-    contacts: Floats, seed: int
-) -> None:
-    gravity = directions(seed, 12)
-    want = judged(contacts, gravity, None)
-    got = judged(np.random.default_rng(seed).permutation(contacts), gravity, None)
-    assert got["tip_angle"] == pytest.approx(want["tip_angle"], abs=1e-7)
-    clear = np.abs(want["tip_angle"]) > 1e-7
-    for name in ("height", "sdg"):
-        assert got[name][clear] == pytest.approx(want[name][clear], rel=1e-9, nan_ok=True)
-
-
-@bounded
 @given(real_robots, seeds)
 def test_without_limits_a_contact_more_never_hurts_and_one_above_a_table_is_none(
     contacts: Floats, seed: int
