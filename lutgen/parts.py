@@ -1,4 +1,4 @@
-"""The parts of a robot: parameters, links, joints, contacts, wheels and forces.
+"""The parts of a robot: parameters, links, joints, contacts, axles, wheels and forces.
 
 Data with every angle in radians, and the order of the tree that links make; nothing is known here
 of how they are written down (`recipe`, `urdf`) or of how a robot moves.
@@ -14,6 +14,7 @@ from lutgen.errors import InputError
 __all__ = [
     "KINDS",
     "ZERO",
+    "Axle",
     "Contact",
     "Force",
     "Joint",
@@ -142,6 +143,23 @@ class Contact:
         if self.radius == 0.0:
             return "point"
         return "sphere" if self.axis is None else "disc"
+
+
+@dataclass(frozen=True)
+class Axle:
+    """An axle that swings freely about a line, and the two contacts that it carries.
+
+    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`, which
+    holds the pivot.  The robot is described with the axle amid its swing; `stops` (rad) is how far
+    it swings to either side, None if nothing stops it.
+    """
+
+    name: str
+    contacts: tuple[str, str]
+    link: str
+    pivot: Vector
+    axis: Vector
+    stops: float | None = None
 
 
 @dataclass(frozen=True)

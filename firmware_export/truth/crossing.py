@@ -14,13 +14,14 @@ from lutgen.channels import (
     find_axes,
     measure,
     measure_loaded,
+    primitives_of,
     wanted_channels,
     wrenches,
 )
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import Postures, Recipe, radii_and_kinds
-from lutgen.support import empty_region, pack, stand
+from lutgen.recipe import Postures, Recipe
+from lutgen.support import empty_region, stand
 from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
 
 # Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
@@ -127,8 +128,7 @@ def cross_boundary(
     last, first : (m, d, 3) float64
         Directions on the arc, unit, either side of the boundary: most are 1e-8 rad apart.
     """
-    radius, kind = radii_and_kinds(recipe)
-    primitives = pack(postures.centres, postures.axes, radius, kind)
+    primitives = primitives_of(recipe, postures)
     wrench = wrenches(recipe, postures) if recipe.loaded else None
     setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
     low, high = inside.copy(), outside.copy()

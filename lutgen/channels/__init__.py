@@ -25,7 +25,7 @@ from lutgen.channels.exact import (
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
 from lutgen.channels.resting import CONVENTIONS, body_gravity, turned
 from lutgen.channels.scan import Scanner
-from lutgen.channels.wrench import acceptance_of, refuse_forces, wrenches
+from lutgen.channels.wrench import acceptance_of, primitives_of, refuse_forces, wrenches
 
 __all__ = [
     "CONVENTIONS",
@@ -54,6 +54,7 @@ __all__ = [
     "measure_moved",
     "measure_recipe",
     "part",
+    "primitives_of",
     "refuse_forces",
     "segment_energy",
     "stability",

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.channels.axes import empty_axes, find_axes
 from lutgen.channels.exact import Setting, checked_directions, measure, wanted_channels
 from lutgen.channels.loads import measure_loaded
-from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.channels.wrench import acceptance_of, primitives_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds, within_limits
+from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
 from lutgen.vector import Floats, row
 
@@ -95,7 +95,7 @@ def for_each_posture(
     kernel: Callable[..., None], recipe: Recipe, postures: Postures, *arguments: object
 ) -> None:
     """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of the postures."""
-    primitives = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    primitives = primitives_of(recipe, postures)
     everything = (primitives, wrenches(recipe, postures), *arguments)
     in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
 
@@ -112,7 +112,7 @@ def measure_recipe(
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
     return measure_postures(
-        pack(postures.centres, postures.axes, *radii_and_kinds(recipe)),
+        primitives_of(recipe, postures),
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
         Setting(acceptance_of(recipe, tighter), wanted),

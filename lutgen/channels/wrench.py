@@ -1,4 +1,6 @@
-"""The wrench of each posture of a recipe: resultant of its forces over the weight, and com ball.
+"""What kernels take of a recipe: its primitives, the facets that count, and the wrench.
+
+The wrench of each posture: resultant of its forces over the weight, and com ball.
 
 A wrench is one row of seven numbers: phi (3), the sum of the forces over the weight; mu (3), their
 moment about the com over the weight, a length; and the radius rho of the ball in which the com
@@ -11,11 +13,31 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe, contact_tolerance_of, robot_size_of
-from lutgen.support import OFF_FACE, Acceptance, acceptance
+from lutgen.recipe import (
+    Postures,
+    Recipe,
+    contact_tolerance_of,
+    radii_and_kinds,
+    robot_size_of,
+)
+from lutgen.support import AXLE, FIRST, OFF_FACE, Acceptance, acceptance, pack
 
 # Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).
 REST_WIDTH = 0.01
+
+
+def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
+    """Return the primitives (m, n + a, 8) of postures of a recipe: contacts, and axles that swing.
+
+    See the head of `support.primitive`.
+    """
+    contacts = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    names = recipe.contact_names
+    ends = [[names.index(name) for name in axle.contacts] for axle in recipe.axles]
+    pairs = np.array([FIRST * i + j for i, j in ends], dtype=np.float64)
+    return np.concatenate(
+        [contacts, pack(postures.pivots, postures.pivot_axes, pairs, AXLE)], axis=1
+    )
 
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.parts import KINDS, Contact, Force, parents_first
+from lutgen.parts import KINDS, ZERO, Contact, Force, parents_first
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
@@ -25,13 +25,17 @@ class Postures(NamedTuple):
 
     `centres` (m, n, 3): contact centres relative to the com; `axes` (m, n, 3): unit
     axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
-    `force_points` (m, f, 3): where the recipe's forces act, relative to the com.
+    `force_points` (m, f, 3): where the recipe's forces act, relative to the com; `pivots` and
+    `pivot_axes` (m, a, 3): a point of the line about which each axle swings, relative to the com,
+    and the unit vector along it.
     """
 
     centres: Floats
     axes: Floats
     com: Floats
     force_points: Floats
+    pivots: Floats
+    pivot_axes: Floats
 
 
 class Tree(NamedTuple):
@@ -42,10 +46,10 @@ class Tree(NamedTuple):
     rotation: Floats  # (l, 3, 3)
     mass: Floats  # (l,) share of the whole mass
     com: Floats  # (l, 3)
-    # Contacts, and after them the points where forces act, whose axes are zero.
-    point_link: Ints  # (n + f,)
-    point_position: Floats  # (n + f, 3)
-    point_axis: Floats  # (n + f, 3)
+    # Contacts, and after them the points where forces act, whose axes are zero, and the pivots.
+    point_link: Ints  # (n + f + a,)
+    point_position: Floats  # (n + f + a, 3)
+    point_axis: Floats  # (n + f + a, 3)
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
@@ -74,7 +78,8 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     if recipe.function is not None:
         return _forward_python(recipe, values)
     contacts = len(recipe.contacts)
-    shape = (len(values), contacts + len(recipe.forces), 3)
+    forces = contacts + len(recipe.forces)
+    shape = (len(values), forces + len(recipe.axles), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
     _forward(values, _tree(recipe), points, axes, com)
     com += recipe.com_offset
@@ -83,7 +88,9 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         np.ascontiguousarray(points[:, :contacts]),
         np.ascontiguousarray(axes[:, :contacts]),
         com,
-        np.ascontiguousarray(points[:, contacts:]),
+        np.ascontiguousarray(points[:, contacts:forces]),
+        points[:, forces:],
+        axes[:, forces:],
     )
 
 
@@ -158,8 +165,8 @@ def _forward_python(recipe: Recipe, values: Floats) -> Postures:
             "infinity); correct the function."
         )
     com = com + recipe.com_offset
-    centres = contacts - com[:, None, :]
-    return Postures(centres, np.zeros(shape), com, np.empty((len(values), 0, 3)))
+    none = np.empty((len(values), 0, 3))
+    return Postures(contacts - com[:, None, :], np.zeros(shape), com, none, none, none)
 
 
 @lru_cache(maxsize=16)
@@ -180,9 +187,10 @@ def _tree(recipe: Recipe) -> Tree:
     def rows(vectors: list[Vector]) -> Floats:
         return np.array(vectors, dtype=np.float64).reshape(-1, 3)
 
-    zero = (0.0, 0.0, 0.0)
     points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
-    axes = [*(contact.axis or zero for contact in recipe.contacts), *(zero for _ in recipe.forces)]
+    positions = [*(point.position for point in points), *(axle.pivot for axle in recipe.axles)]
+    axes = [*(contact.axis or ZERO for contact in recipe.contacts), *(ZERO for _ in recipe.forces)]
+    axes += [axle.axis for axle in recipe.axles]
     parents = [-1 if link.parent is None else row[link.parent] for link in links]
     steps = [(j.scale, j.offset) if j else (0.0, 0.0) for j in joints]
     return Tree(
@@ -196,15 +204,15 @@ def _tree(recipe: Recipe) -> Tree:
         np.hstack(
             [
                 rows([link.origin for link in links]),
-                rows([j.axis if j else zero for j in joints]),
+                rows([j.axis if j else ZERO for j in joints]),
                 steps,
             ]
         ),
         np.array([rotation(link.rpy) for link in links]),
         share,
         rows([link.com for link in links]),
-        np.array([row[point.link] for point in points], np.int64),
-        rows([point.position for point in points]),
+        np.array([row[point.link] for point in (*points, *recipe.axles)], np.int64),
+        rows(positions),
         rows(axes),
     )
 

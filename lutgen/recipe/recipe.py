@@ -12,6 +12,7 @@ from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
+    axles_of,
     contacts_of,
     forces_of,
     knots_of,
@@ -131,6 +132,7 @@ def parse_recipe(
         source=source,
         function=function,
         wheels=wheels_of(robot, contacts),
+        axles=axles_of(robot),
         urdf=urdf if robot.urdf is not None else None,
         forces=forces_of(robot),
         com_uncertainty=robot.com_uncertainty,

@@ -111,7 +111,9 @@ def part_faults(
         way_out = "keep those that can touch the ground, of a curved sole one every few degrees"
         way_out = "add contacts" if len(contacts) < 3 else way_out
         yield Fault("robot.contact", what, len(contacts), way_out)
-    yield from _wheel_faults(robot, {contact.name: contact for contact in contacts})
+    named = {contact.name: contact for contact in contacts}
+    yield from _axle_faults(robot, links, named)
+    yield from _wheel_faults(robot, named)
     if robot.mass is not None and not massive:
         what = "counts for nothing on a robot without masses"
         yield Fault("robot.mass", what, robot.mass, "give its links masses in kg")
@@ -127,6 +129,22 @@ def part_faults(
                 name = "force" if isinstance(part, Force) else "mass"
                 what, got = "counts for nothing on a robot without masses", getattr(part, name)
                 yield Fault(f"{key}.{name}", what, got, "give its links masses in kg")
+
+
+def _axle_faults(
+    robot: Robot, links: Collection[str], contacts: Mapping[str, Contact]
+) -> Iterator[Fault]:
+    yield from twice("robot.axle", [[axle.name] for axle in robot.axle])
+    carried: set[str] = set()
+    for place, axle in enumerate(robot.axle, 1):
+        key = f"robot.axle[{place}]"
+        yield from known_name(f"{key}.link", axle.link, links, "link")
+        for side, name in enumerate(axle.contacts, 1):
+            here = f"{key}.contacts[{side}]"
+            yield from known_name(here, name, contacts, "contact")
+            if name in carried:
+                yield Fault(here, "is on an axle already", name, "name two that are on no other")
+            carried.add(name)
 
 
 def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fault]:
