@@ -25,6 +25,7 @@ __all__ = [
     "parents_first",
     "to_display",
     "to_internal",
+    "way_up",
 ]
 
 Vector = tuple[float, float, float]
@@ -196,6 +197,15 @@ class Force:
     def acts(self) -> bool:
         """Whether it does anything at all."""
         return any(self.force) or any(self.moment)
+
+
+def way_up(parents: Mapping[str, str | None], name: str | None) -> list[str]:
+    """Return a name, its parent, the parent of that, and so on."""
+    way: list[str] = []
+    while name is not None and name not in way:
+        way.append(name)
+        name = parents.get(name)
+    return way
 
 
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:

@@ -27,17 +27,19 @@ REST_WIDTH = 0.01
 
 
 def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
-    """Return the primitives (m, n + a, 8) of postures of a recipe: contacts, and axles that swing.
+    """Return the primitives (m, n + 2 a, 8) of postures of a recipe.
 
-    See the head of `support.primitive`.
+    They are its contacts and its axles that swing, see the head of `support.primitive`.
     """
-    contacts = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    parts = [pack(postures.centres, postures.axes, *radii_and_kinds(recipe))]
     names = recipe.contact_names
-    ends = [[names.index(name) for name in axle.contacts] for axle in recipe.axles]
-    pairs = np.array([FIRST * i + j for i, j in ends], dtype=np.float64)
-    return np.concatenate(
-        [contacts, pack(postures.pivots, postures.pivot_axes, pairs, AXLE)], axis=1
-    )
+    for k, axle in enumerate(recipe.axles):
+        i, j = (names.index(name) for name in axle.contacts)
+        share, com = postures.axle_shares[k], postures.axle_coms[:, k]
+        points = np.stack([postures.pivots[:, k], -share / (1.0 - share) * com], axis=1)
+        lines = np.stack([postures.pivot_axes[:, k], np.zeros_like(com)], axis=1)
+        parts.append(pack(points, lines, [FIRST * i + j, 1.0 - share], AXLE))
+    return np.concatenate(parts, axis=1)
 
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.parts import KINDS, ZERO, Contact, Force, parents_first
+from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
@@ -27,7 +27,8 @@ class Postures(NamedTuple):
     axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
     `force_points` (m, f, 3): where the recipe's forces act, relative to the com; `pivots` and
     `pivot_axes` (m, a, 3): a point of the line about which each axle swings, relative to the com,
-    and the unit vector along it.
+    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (a,): the com of what
+    swings, relative to that of the robot, and its share of the mass.
     """
 
     centres: Floats
@@ -36,6 +37,8 @@ class Postures(NamedTuple):
     force_points: Floats
     pivots: Floats
     pivot_axes: Floats
+    axle_coms: Floats
+    axle_shares: Floats
 
 
 class Tree(NamedTuple):
@@ -46,10 +49,11 @@ class Tree(NamedTuple):
     rotation: Floats  # (l, 3, 3)
     mass: Floats  # (l,) share of the whole mass
     com: Floats  # (l, 3)
-    # Contacts, and after them the points where forces act, whose axes are zero, and the pivots.
-    point_link: Ints  # (n + f + a,)
-    point_position: Floats  # (n + f + a, 3)
-    point_axis: Floats  # (n + f + a, 3)
+    # Contacts, and after them the points where forces act, whose axes are zero, pivots, and
+    # the coms of the links that swing.
+    point_link: Ints  # (n + f + a + s,)
+    point_position: Floats  # (n + f + a + s, 3)
+    point_axis: Floats  # (n + f + a + s, 3)
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
@@ -79,7 +83,8 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         return _forward_python(recipe, values)
     contacts = len(recipe.contacts)
     forces = contacts + len(recipe.forces)
-    shape = (len(values), forces + len(recipe.axles), 3)
+    pivots = forces + len(recipe.axles)
+    shape = (len(values), pivots + sum(map(len, swung_links(recipe))), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
     _forward(values, _tree(recipe), points, axes, com)
     com += recipe.com_offset
@@ -89,8 +94,9 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         np.ascontiguousarray(axes[:, :contacts]),
         com,
         np.ascontiguousarray(points[:, contacts:forces]),
-        points[:, forces:],
-        axes[:, forces:],
+        points[:, forces:pivots],
+        axes[:, forces:pivots],
+        *_axle_masses(recipe, points[:, pivots:]),
     )
 
 
@@ -166,7 +172,40 @@ def _forward_python(recipe: Recipe, values: Floats) -> Postures:
         )
     com = com + recipe.com_offset
     none = np.empty((len(values), 0, 3))
-    return Postures(contacts - com[:, None, :], np.zeros(shape), com, none, none, none)
+    centres = contacts - com[:, None, :]
+    return Postures(centres, np.zeros(shape), com, none, none, none, none, np.empty(0))
+
+
+def swung_links(recipe: Recipe) -> list[list[Link]]:
+    """Return the links that swing with each axle: those between its pivot and its contacts.
+
+    That is what carries the contacts, next below the link that holds the pivot, and all its parts.
+    """
+    parents = {link.name: link.parent for link in recipe.links}
+    ways = {name: way_up(parents, name) for name in parents}
+    carrier = {contact.name: contact.link for contact in recipe.contacts}
+    found = []
+    for axle in recipe.axles:
+        above = [ways[carrier[name]] for name in axle.contacts]
+        roots = {way[way.index(axle.link) - 1] for way in above if way[0] != axle.link}
+        found.append([link for link in recipe.links if roots & set(ways[link.name])])
+    return found
+
+
+def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
+    """Return the com (m, a, 3) of what swings with each axle, and its share (a,) of the mass.
+
+    `coms` (m, s, 3) are those of the links of `swung_links`, one after the other.
+    """
+    total = math.fsum(link.mass for link in recipe.links)
+    middles, shares, first = np.zeros((len(coms), len(recipe.axles), 3)), [], 0
+    for k, links in enumerate(swung_links(recipe)):
+        mass = np.array([link.mass for link in links])
+        if mass.any():
+            middles[:, k] = mass @ coms[:, first : first + len(links)] / mass.sum()
+        shares.append(float(mass.sum()) / total if total else 0.0)
+        first += len(links)
+    return middles, np.array(shares)
 
 
 @lru_cache(maxsize=16)
@@ -188,9 +227,12 @@ def _tree(recipe: Recipe) -> Tree:
         return np.array(vectors, dtype=np.float64).reshape(-1, 3)
 
     points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
+    swung = [link for links in swung_links(recipe) for link in links]
     positions = [*(point.position for point in points), *(axle.pivot for axle in recipe.axles)]
+    positions += [link.com for link in swung]
+    carriers = [*(one.link for one in (*points, *recipe.axles)), *(link.name for link in swung)]
     axes = [*(contact.axis or ZERO for contact in recipe.contacts), *(ZERO for _ in recipe.forces)]
-    axes += [axle.axis for axle in recipe.axles]
+    axes += [*(axle.axis for axle in recipe.axles), *(ZERO for _ in swung)]
     parents = [-1 if link.parent is None else row[link.parent] for link in links]
     steps = [(j.scale, j.offset) if j else (0.0, 0.0) for j in joints]
     return Tree(
@@ -211,7 +253,7 @@ def _tree(recipe: Recipe) -> Tree:
         np.array([rotation(link.rpy) for link in links]),
         share,
         rows([link.com for link in links]),
-        np.array([row[point.link] for point in (*points, *recipe.axles)], np.int64),
+        np.array([row[name] for name in carriers], np.int64),
         rows(positions),
         rows(axes),
     )

@@ -101,8 +101,8 @@ def parse_recipe(
             links, shapes = links_and_shapes(robot, parameters, urdf, source)
         contacts = contacts_of(robot, shapes)
         carriers = robot.link if robot.urdf is None else links
-        root = ["body"] if robot.urdf is None else []
-        names = dict.fromkeys([*root, *(link.name for link in carriers)])
+        names = {"body": None} if robot.urdf is None else {}
+        names |= {link.name: link.parent for link in carriers}
         faults += link_faults(robot) if robot.urdf is None else ()
         faults += contact_faults(robot, names)
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from lutgen.parts import Contact, parents_first
+from lutgen.parts import Contact, parents_first, way_up
 from lutgen.recipe.load import Fault
 from lutgen.recipe.robot import unit
 from lutgen.recipe.rules import absent, given, known_name, twice
@@ -93,14 +93,15 @@ def contact_faults(robot: Robot, links: Collection[str]) -> Iterator[Fault]:
 
 def part_faults(
     robot: Robot,
-    links: Collection[str],
+    links: Mapping[str, str | None],
     massive: bool,
     contacts: Sequence[Contact],
     shapes: Mapping[int, Sequence[Contact]],
 ) -> Iterator[Fault]:
     """Yield the faults of all contacts together, and of wheels, payloads and forces.
 
-    `massive` says whether any link has a mass; `contacts` are all, those of links' `shapes`, too.
+    `links` has the parent of each; `massive` says whether any has a mass; `contacts` are all,
+    those of links' `shapes`, too.
     """
     names = [[one.name] if one.name and one.position else [] for one in robot.contact]
     for place, found in shapes.items():
@@ -132,7 +133,7 @@ def part_faults(
 
 
 def _axle_faults(
-    robot: Robot, links: Collection[str], contacts: Mapping[str, Contact]
+    robot: Robot, links: Mapping[str, str | None], contacts: Mapping[str, Contact]
 ) -> Iterator[Fault]:
     yield from twice("robot.axle", [[axle.name] for axle in robot.axle])
     carried: set[str] = set()
@@ -145,6 +146,9 @@ def _axle_faults(
             if name in carried:
                 yield Fault(here, "is on an axle already", name, "name two that are on no other")
             carried.add(name)
+            if name in contacts and axle.link not in way_up(links, contacts[name].link):
+                what = f"is not carried by {axle.link!r}, which holds the pivot"
+                yield Fault(here, what, name, "name the link that carries the axle")
 
 
 def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fault]:

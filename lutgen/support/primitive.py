@@ -2,8 +2,9 @@
 
 The primitives of a posture are the rows of one array (n, 8): centre x, y, z; axis x, y, z (zero
 unless a disc); radius (zero of a point); kind.  Lengths in the recipe's unit, relative to the com,
-body frame.  Behind them are the axles that swing: a point and the direction of the line about which
-each does; its two contacts, as FIRST * i + j; kind.
+body frame.  Behind them are two rows for each axle that swings, of a kind of their own: a point and
+the direction of the line about which it does, and its two contacts, FIRST * i + j; the com of the
+rest of the robot, three zeros, and its share of the mass.
 """
 
 import math
