@@ -72,20 +72,6 @@ def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
     assert gallery.with_block(grown, "z", "new") == grown
 
 
-def test_damaged_markers_and_another_recipes_map_are_refused(
-    gallery: ModuleType,
-    swept: tuple[Path, Path],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    with pytest.raises(lutgen.InputError, match="markers of x are damaged"):
-        gallery.with_block("<!-- end of x -->\n<!-- gallery x -->\n", "x", "new")
-    command = [str(MAPS / "paper_one.toml"), str(swept[1]), "--output", str(tmp_path)]
-    assert gallery.main(command) == 1
-    assert "another recipe" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
     gallery: ModuleType,
 ) -> None:

@@ -3,7 +3,6 @@
 import io
 import math
 import re
-import sys
 import time
 import zipfile
 from pathlib import Path
@@ -171,15 +170,6 @@ def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
     assert len(corners(tmp_path, mesh("a.stl"))) == 8
     monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size - 1)
     with pytest.raises(InputError, match=f"longer than {size - 1} bytes"):
-        corners(tmp_path, mesh("a.stl"))
-
-
-def test_without_the_package_one_sentence_says_how_to_get_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    write(tmp_path / "a.stl", box(1, 1, 1))
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(InputError, match=r"pip install lutgen\[meshes\]"):
         corners(tmp_path, mesh("a.stl"))
 
 
