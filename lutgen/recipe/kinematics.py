@@ -29,7 +29,7 @@ class Postures(NamedTuple):
     axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
     `force_points` (m, f, 3): where the recipe's forces act, relative to the com; `pivots` and
     `pivot_axes` (m, a, 3): a point of the line about which each axle swings, relative to the com,
-    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (a,): the com of what
+    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (m, a): the com of what
     swings, relative to that of the robot, and its share of the mass.
     """
 
@@ -73,7 +73,7 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         com = com + recipe.com_offset
         none = np.empty((len(values), 0, 3))
         centres = own - com[:, None, :]
-        return Postures(centres, np.zeros(own.shape), com, none, none, none, none, np.empty(0))
+        return Postures(centres, np.zeros(own.shape), com, none, none, none, none, none[..., 0])
     contacts = len(recipe.contacts)
     forces = contacts + len(recipe.forces)
     pivots = forces + len(recipe.axles)
@@ -166,7 +166,7 @@ def swung_links(recipe: Recipe) -> list[list[Link]]:
 
 
 def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
-    """Return the com (m, a, 3) of what swings with each axle, and its share (a,) of the mass.
+    """Return the com (m, a, 3) of what swings with each axle, and its share (m, a) of the mass.
 
     `coms` (m, s, 3) are those of the links of `swung_links`, one after the other.
     """
@@ -178,7 +178,7 @@ def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
             middles[:, k] = mass @ coms[:, first : first + len(links)] / mass.sum()
         shares.append(float(mass.sum()) / total if total else 0.0)
         first += len(links)
-    return middles, np.array(shares)
+    return middles, np.tile(np.array(shares), (len(coms), 1))
 
 
 @lru_cache(maxsize=16)
