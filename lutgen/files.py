@@ -1,5 +1,6 @@
 """Write files that are either whole or not there, and replace only what lutgen has made."""
 
+import contextlib
 import csv
 import hashlib
 import io
@@ -69,15 +70,12 @@ def check_target(
     is left to whoever writes.
     """
     check_kind(path)
-    try:
-        if force or Path(path).is_dir() or is_ours(path):
-            return
+    if force or not os.path.lexists(path) or Path(path).is_dir():
+        return
+    # What cannot be read is not ours.
+    with contextlib.suppress(OSError):
         same = content is not None and Path(path).stat().st_size == len(content)
-        if same and Path(path).read_bytes() == content:
-            return
-    except OSError:
-        # Nothing there, or the writing says what is wrong.
-        if not os.path.lexists(path):
+        if is_ours(path) or (same and Path(path).read_bytes() == content):
             return
     what = "is there already, without a mark that lutgen made it"
     reject(path, what, "no --force", way_out, InputError)

@@ -1,9 +1,8 @@
 """Sweep a recipe: compute every posture and direction, block by block, into a map file."""
 
-import contextlib
 import os
 import threading
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
 from functools import partial
@@ -94,8 +93,12 @@ def sweep(
         with ExitStack() as stack:
             compute: Engine = partial(_compute_here, recipe=recipe, layout=layout)
             if engine == "dask":
+                name, way_out = "lutgen.mapping.dask", "use the engine local"
+                there = optional("--engine dask", name, "lutgen[cluster]", way_out)
                 # Before there is a file: without a scheduler none is left behind.
-                compute = stack.enter_context(_dask(recipe, layout, scheduler, threads))
+                client = stack.enter_context(there.connected(scheduler))
+                work = partial(there.compute_there, client=client, threads=threads)
+                compute = partial(work, recipe=recipe, layout=layout)
             file = stack.enter_context(PartFile(part, recipe, layout))
             _open(file, resume, force)
             finished, blocks = 0, stack.enter_context(closing(compute(file)))
@@ -141,17 +144,6 @@ def _part_of(target: Path) -> Path:
     part = target.with_name(target.name + ".part")
     check_kind(part)
     return part
-
-
-@contextlib.contextmanager
-def _dask(
-    recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
-) -> Iterator[Engine]:
-    name, package = "lutgen.mapping.dask", "lutgen[cluster]"
-    there = optional("--engine dask", name, package, "use the engine local")
-    with there.connected(scheduler) as client:
-        work = partial(there.compute_there, recipe=recipe, layout=layout)
-        yield partial(work, client=client, threads=threads)
 
 
 def _open(file: PartFile, resume: bool, force: bool) -> None:

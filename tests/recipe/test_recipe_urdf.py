@@ -263,10 +263,10 @@ def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
     )
     points = "".join(contact(f"P{i}", (i, i * i, 0.0), link="l9999") for i in range(3))
     text = '[robot]\nname = "long"\nlength_unit = "m"\n' + links + points + sweep_part()
-    begin = time.perf_counter()
+    begin = time.process_time()
     recipe = lutgen.parse_recipe(text)
     # Measured 0.6 s, most of it in the TOML reader; checks quadratic in the depth take minutes.
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert len(recipe.links) == 10_001
     with pytest.raises(LutgenError, match="makes a loop"):
         lutgen.parse_recipe(text.replace('parent = "body"', 'parent = "l9999"'))

@@ -87,10 +87,10 @@ def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_ar
     face = "usemtl m{0}\no p{0}\nf {1} {2} {3}\n"
     faces = "".join(face.format(i, i % 6 + 1, i % 6 + 2, i % 6 + 3) for i in range(20_000))
     (tmp_path / "a.obj").write_text(points + faces)
-    begin = time.perf_counter()
+    begin = time.process_time()
     found = corners(tmp_path, mesh("a.obj"))
     # Measured 0.2 s; with materials the reader takes 100 s.
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert np.abs(found).max() == 0.5
 
 
