@@ -12,9 +12,9 @@ import numpy as np
 
 from lutgen.errors import InputError
 from lutgen.parts import Joint, parents_first
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, swung_links
 from lutgen.rotation import rotation
-from lutgen.vector import Floats
+from lutgen.vector import Floats, Vector
 
 # A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter,
 # 1.0) the parameter itself.  A monomial is a sorted tuple of factors; () is 1.
@@ -100,7 +100,8 @@ class Closed:
     """A robot's positions in closed form, in the recipe's frame.
 
     `centres`, `axes`: a (3,) polynomial for each contact; the axes of discs, None for
-    others.  `com`: that of the whole robot.
+    others.  Behind them for each axle that swings its pivot and line, and the com of all that does
+    not swing with it.  `com`: that of the whole robot.
     """
 
     centres: tuple[Sum, ...]
@@ -152,11 +153,22 @@ def closed_form(recipe: Recipe) -> Closed:
             com = com + share.scaled(link.mass / total)
     centres: list[Sum] = []
     axes: list[Sum | None] = []
+
+    def place(link: str, position: Vector, axis: Vector | None) -> None:
+        centres.append(origin[link] + turn[link] @ Sum.constant(np.array(position)))
+        axes.append(None if axis is None else turn[link] @ Sum.constant(np.array(axis)))
+
     for contact in recipe.contacts:
-        here = turn[contact.link]
-        centres.append(origin[contact.link] + here @ Sum.constant(np.array(contact.position)))
-        own = contact.axis
-        axes.append(None if own is None else here @ Sum.constant(np.array(own)))
+        place(contact.link, contact.position, contact.axis)
+    for axle, swung in zip(recipe.axles, swung_links(recipe), strict=True):
+        place(axle.link, axle.pivot, axle.axis)
+        rest, left = com, 1.0
+        for link in swung:
+            part = link.mass / (total or 1.0)
+            own = origin[link.name] + turn[link.name] @ Sum.constant(np.array(link.com))
+            rest, left = rest + own.scaled(-part), left - part
+        centres.append(rest.scaled(1.0 / left))
+        axes.append(None)
     return Closed(tuple(centres), tuple(axes), com)
 
 

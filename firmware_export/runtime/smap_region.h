@@ -119,9 +119,9 @@ SMAP_INLINE int smap_is_accepted(const smap_work_t *w, const float n[3], float h
 }
 
 /* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
- * tells how far each contact extends along n. */
+ * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole polygon. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
-                             const float *extent)
+                             const float *extent, int swung)
 {
   const uint8_t r = w->at->rests, first = w->at->first[r];
   const float height = smap_dot(p[0], n), size = w->map->size;
@@ -138,7 +138,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     }
     near = (uint8_t)(near + (extent[i] >= height - w->map->tolerance));
   }
-  if (near <= count) {
+  if (swung || near <= count) {
     wide = count == 3 ? smap_measure_triangle(w, p, o->centre[r]) : smap_measure(w, n, p, count, o->centre[r]);
   } else { /* all of them make up the support polygon */
     float q[SMAP_MAX_CONTACTS][3];
