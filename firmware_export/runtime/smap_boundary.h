@@ -125,8 +125,8 @@ static int smap_close(smap_work_t *w)
       }
     }
   }
-  for (r = 0; SMAP_PIVOTS > 0 && at->rests > 1 && r < at->rests; r++) { /* those of an axle may overlap */
-    at->nearly = 1;
+  for (r = 0; SMAP_PIVOTS > 0 && w->map->first[0] > 0 && at->rests > 1 && r < at->rests; r++) {
+    at->nearly = SMAP_OVERLAP;
     at->own[r] = SMAP_NONE;
     at->from[r] = 0;
     at->till[r] = at->arcs;
