@@ -100,13 +100,14 @@ class Closed:
     """A robot's positions in closed form, in the recipe's frame.
 
     `centres`, `axes`: a (3,) polynomial for each contact; the axes of discs, None for
-    others.  Behind them for each axle that swings its pivot and line, and the com of all that does
-    not swing with it.  `com`: that of the whole robot.
+    others.  Behind them for each axle that swings its pivot and line, and its com.  `com`: that of
+    the whole robot; `shares` of the mass that the axles have.
     """
 
     centres: tuple[Sum, ...]
     axes: tuple[Sum | None, ...]
     com: Sum
+    shares: tuple[float, ...]
 
 
 @lru_cache(maxsize=4)
@@ -153,6 +154,7 @@ def closed_form(recipe: Recipe) -> Closed:
             com = com + share.scaled(link.mass / total)
     centres: list[Sum] = []
     axes: list[Sum | None] = []
+    shares: list[float] = []
 
     def place(link: str, position: Vector, axis: Vector | None) -> None:
         centres.append(origin[link] + turn[link] @ Sum.constant(np.array(position)))
@@ -162,14 +164,15 @@ def closed_form(recipe: Recipe) -> Closed:
         place(contact.link, contact.position, contact.axis)
     for axle, swung in zip(recipe.axles, swung_links(recipe), strict=True):
         place(axle.link, axle.pivot, axle.axis)
-        rest, left = com, 1.0
+        mass = sum(link.mass for link in swung)
+        middle = Sum({}) if mass else centres[-1]
         for link in swung:
-            part = link.mass / (total or 1.0)
             own = origin[link.name] + turn[link.name] @ Sum.constant(np.array(link.com))
-            rest, left = rest + own.scaled(-part), left - part
-        centres.append(rest.scaled(1.0 / left))
+            middle = middle + own.scaled(link.mass / (mass or 1.0))
+        centres.append(middle)
         axes.append(None)
-    return Closed(tuple(centres), tuple(axes), com)
+        shares.append(mass / (total or 1.0))
+    return Closed(tuple(centres), tuple(axes), com, tuple(shares))
 
 
 def factors_of(sums: Iterable[Sum]) -> list[Factor]:

@@ -212,7 +212,7 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
         len(axes),
         moving,
         reach <= NEAREST,
-        np.append(radius, np.zeros(2 * len(recipe.axles)))[list(order)],
+        np.array([*radius, *(one for share in closed.shares for one in (0.0, share))])[list(order)],
         _error(recipe, sums[: len(vectors)], moving) + NEGLIGIBLE * size * len(table.products),
     )
 
