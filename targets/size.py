@@ -29,10 +29,9 @@ from targets.cases import ROOT, TABLES, of_recipe
 from targets.elf import section_bytes, undefined
 from targets.image import build, compiled, flags_of, version
 from targets.pages import PAGE, between, markdown
-from tests.fixtures.exports import coded_export, rover_export, tripod_export
+from tests.fixtures.exports import coded_export, tripod_export
 from tests.fixtures.noise import noise
 from tests.fixtures.recipes import tripod
-from tests.fixtures.tractors import tractor
 
 # What exports read instead of compiling.
 SIZES = ROOT / "firmware_export" / "runtime" / FILE
@@ -73,7 +72,7 @@ EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
     "rails": tuple(partial(of_recipe, name, "contacts") for name in ("marv", "absolem")),
     "search": (partial(of_recipe, "articulated", "contacts"),),
     "search" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("wheels", "scissors")),
-    "search" + SWINGING: (partial(rover_export, text=tractor(parameters=2, radius=0.4)),),
+    "search" + SWINGING: (partial(of_recipe, "tractor", "contacts"),),
 }
 
 

@@ -74,7 +74,7 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "absolem", "markhor", "articulated", "quadruped"])
+@pytest.mark.parametrize("name", ["marv", "absolem", "markhor", "quadruped", "tractor"])
 def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_path: Path) -> None:
     # Certificates read with arrays that are larger than those of an export.
     export = export_of(name)
