@@ -82,9 +82,9 @@ def refusal(model: Model) -> str | None:
     if contacts > MOST_CONTACTS:
         return f"the runtime knows {MOST_CONTACTS} contacts and points of axles (got {contacts})"
     if model.recipe.axles and model.recipe.com_uncertainty > 0.0:
-        return "the runtime knows no uncertain com of a robot whose axles swing; use --codec grid"
+        return "it knows no uncertain com of a robot whose axles swing; use --arithmetic integer"
     if not set(_carried(model)) <= set(shown):
-        return "an axle that swings has a contact within another one; use --codec grid"
+        return "an axle that swings has a contact within another one; use --arithmetic integer"
     return None
 
 

@@ -55,6 +55,6 @@ def test_a_tractor_tips_sideways_over_its_pivot(pivot: float, sideways: float) -
 
 def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out() -> None:
     uncertain = Model(parse_recipe(tractor(head="com_uncertainty = 0.01")))
-    assert "--codec grid" in str(codec("contacts").refusal(uncertain, "float"))
+    assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
     with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):
         design(Model(parse_recipe(tractor(parameters=1))), Wishes())
