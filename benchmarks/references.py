@@ -8,10 +8,11 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.jit import njit, prange
+from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, Acceptance, empty_region, rests_at, stand
 from lutgen.vector import Floats, Ints, Singles
 
@@ -78,13 +79,13 @@ def tip_over_axes(contacts: NDArray[np.float64], accept: Acceptance) -> NDArray[
     return np.hstack([arcs["start"], arcs["stop"], arcs["wall"]])
 
 
-@njit(parallel=True)
+@numba.njit(parallel=True)
 def fill(out: Singles, value: np.float32) -> None:
     """Store a float32 `value` everywhere in `out` (k,), one contiguous part after the other.
 
     As a constant the value would make the loop memset, whose stores bypass the cache.
     """
-    for part in prange(PARTS):
+    for part in numba.prange(PARTS):
         piece = out[part * out.shape[0] // PARTS : (part + 1) * out.shape[0] // PARTS]
         for i in range(piece.shape[0]):
             piece[i] = value

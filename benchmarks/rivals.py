@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
-from lutgen.jit import njit, prange
 from lutgen.recipe.kinematics import postures
 from lutgen.vector import Floats
 
@@ -76,11 +76,11 @@ def nodes(model: Model, per_parameter: int, per_side: int) -> Floats:
     return values.reshape(*[per_parameter] * model.k, per_side, per_side, 2)
 
 
-@njit(parallel=True)
+@numba.njit(parallel=True)
 def _interpolate(values: Floats, shape: NDArray[np.int64], place: Floats, out: Floats) -> None:
     """Interpolate multilinearly; values (nodes, c) in C order, out (n, c)."""
     axes, channels = len(shape), values.shape[1]
-    for i in prange(len(place)):
+    for i in numba.prange(len(place)):
         for corner in range(1 << axes):
             index, weight = 0, 1.0
             for a in range(axes):

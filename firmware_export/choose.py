@@ -11,24 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from firmware_export.certify import (
-    Measured,
-    Truth,
-    bounded,
-    device,
-    find_jumps,
-    judged_by,
-    span_of,
-    statistics,
-    truth,
-)
+from firmware_export.certify.answers import Measured, Truth, device, span_of, statistics, truth
+from firmware_export.certify.certificate import bounded, judged_by
+from firmware_export.certify.jumps import find_jumps
 from firmware_export.emit import code_bytes, flash_bytes
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
-
-__all__ = ["KNEE", "Candidate", "Goal", "Trials", "choose", "front"]
 
 SEED, POINTS = 501, 15_000
 # Percent: what is aimed at when nothing is asked for.
@@ -41,21 +31,12 @@ LARGEST = 1 << 18
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """An encoded export and what the chooser measured on it.
+    """An encoded export without certificate, and what the chooser measured on it.
 
-    Parameters
-    ----------
-    export : Export
-        Without certificate.
-    bytes, total : int
-        Bytes of tables; and with descriptors and code as far as those are known.
-    errors : dict of str to float
-        Per length channel its error in percent of the range: the largest, or p99 where |SD_g|
-        jumps; for an export of the tip angle alone that of the tip angle.
-    false_tip : float
-        Share of the standing uniform points that are called tipping.
-    false_safe : int
-        Points that are called safe and tip; any is a fault.
+    `bytes` are those of the tables, `total` with descriptors and code as far as those are known;
+    `errors` (percent of the range) of each length channel the largest, or p99 where |SD_g| jumps,
+    of an export of the tip angle alone that of the tip angle; `false_tip` the share of the standing
+    uniform points that are called tipping; `false_safe` the points that are called safe and tip.
     """
 
     export: Export
@@ -91,17 +72,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Goal:
-    """What is asked for.
+    """What is asked for: most bytes, code included, and greatest error in percent of the range.
 
-    Parameters
-    ----------
-    flash : int, optional
-        Most bytes, code included.
-    percent : float, optional
-        Greatest error in percent of the range.
-    margin : float
-        By which factor the chooser's own measurement must stay below it: the certificate looks
-        at more points and searches for the worst.
+    By `margin` the chooser's own measurement must stay below that: the certificate looks at more
+    points and searches for the worst.
     """
 
     flash: int | None
@@ -196,16 +170,11 @@ class Trials:
 
 
 def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
-    """Return the best candidate of some codecs.
+    """Return the best candidate of some codecs; ExportError says what comes nearest to the goal.
 
     With a percentage in the goal the smallest that is accurate enough; without it the most accurate
     that fits.  Of each kind one that reports at most MOST_FALSE_TIP of what is stable as unsafe
     goes before others.
-
-    Raises
-    ------
-    ExportError
-        If nothing meets the goal; the message says what comes nearest.
     """
     good: list[Candidate] = []
     for codec in codecs:

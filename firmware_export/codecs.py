@@ -6,8 +6,6 @@ from firmware_export.protocol import Codec
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
 
-__all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
-
 # In the order in which they are tried: the first are smallest for what they can hold.
 CODECS = (CONTACTS, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")
@@ -30,12 +28,7 @@ def codec(name: str) -> Codec:
 def usable(model: Model, arithmetic: str, name: str = "auto") -> list[Codec]:
     """Return the codecs that can hold a robot, in the order to try them.
 
-    Raises
-    ------
-    InputError
-        For names that are not known.
-    ExportError
-        If none can, with the reason of each.
+    InputError is raised for names that are not known, ExportError if none can, with the reasons.
     """
     if arithmetic not in ARITHMETIC:
         raise InputError(

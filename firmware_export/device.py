@@ -1,45 +1,24 @@
 """An export folder that is asked: by the tables in its report, nothing is compiled."""
 
-import hashlib
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import load_report
-from firmware_export.host import Host
+from firmware_export.host import FULL_SCALE, Host, in_units
 from firmware_export.protocol import restored
 from lutgen.errors import InputError, LutgenError
+from lutgen.files import digest as file_digest
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, parse_recipe
 
-__all__ = ["ExportFolder"]
-
 # smap_status_t by its numbers.
 STATUS = ("OK", "ROCKS", "TIPS", "OFF_CHART", "OFF_RANGE", "CORRUPT", "INVALID")
-# What smap_read_i calls a channel that is not held, and its full scale.
-NOT_HELD, FULL_SCALE = 65535, 32767
 
 
 class ExportFolder:
-    """The answers of an export folder.
-
-    Parameters
-    ----------
-    directory : path
-        A folder of `lutgen export`.
-
-    Attributes
-    ----------
-    report : dict
-        The content of NAME_report.json.
-    integer : bool
-        Whether it answers ``smap_read_i``.
-    blob : Blob
-        The map.
-    host : Host
-        What is asked.
+    """The answers of an export folder; its `report`, `blob` and `host`.
 
     Raises
     ------
@@ -59,7 +38,7 @@ class ExportFolder:
             )
         path = folder / f"{self.report['name']}.c"
         try:
-            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+            digest = file_digest(path.read_bytes())
             same, content = digest == tables["source_sha256"], restored(tables)
         except OSError as error:
             raise InputError(
@@ -81,20 +60,10 @@ class ExportFolder:
     def read(
         self, params: Sequence[float], gravity: Sequence[float]
     ) -> tuple[str, dict[str, float]]:
-        """Ask the C for one point.
+        """Ask the C for one point: params (k,), also beyond the axes, and gravity (3,), down.
 
-        Parameters
-        ----------
-        params : (k,) sequence of float
-            rad or length, also beyond the axes.
-        gravity : (3,) sequence of float
-            Pointing down, any length > 0.
-
-        Returns
-        -------
-        tuple of str and dict
-            The status without its SMAP_, and the channels in rad and length: NaN where the map
-            does not hold one.
+        Returns the status without its SMAP_, and the channels in rad and length: NaN where the map
+        does not hold one.
         """
         if self.integer:
             return self._read_integer(params, gravity)
@@ -115,23 +84,11 @@ class ExportFolder:
         longest = max(map(abs, gravity))
         down = [round(part / longest * FULL_SCALE) for part in gravity]
         codes, readings = self.host.read_i([row], [down])
-        sdg, tip, height = (int(value) for value in readings[0])
-        steps = self.report["steps"]
-        lengths = {
-            name: math.nan if code == NOT_HELD else code * steps.get(name, math.nan)
-            for name, code in (("sdg", sdg), ("height", height))
-        }
-        sine = max(-1.0, min(1.0, tip / FULL_SCALE))
-        return STATUS[int(codes[0])], {**lengths, "tip_angle": math.asin(sine)}
+        values = in_units(readings, self.report["steps"])[0].tolist()
+        return STATUS[int(codes[0])], dict(zip(EXPORTABLE, values, strict=True))
 
     def recipe(self) -> Recipe:
-        """Return the recipe that the report holds; its code is left alone.
-
-        Raises
-        ------
-        InputError
-            If the report does not hold it, or another than that of the export.
-        """
+        """Return the recipe that the report holds, its code left alone; refuse another one."""
         held: Any = self.report.get("recipe")
         try:
             text, urdf = held["text"], held["urdf"]

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import (
+from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import (
     POINTS,
     SEED,
     Certificate,
     Effort,
     certify,
-    device,
     put_to_test,
 )
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
@@ -27,8 +27,6 @@ from lutgen.errors import ExportError, InputError
 from lutgen.mapping import TO_STAND, StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
-
-__all__ = ["Asked", "Report", "certified", "export"]
 
 log = logging.getLogger("lutgen")
 
@@ -170,15 +168,15 @@ def certified(
     codecs = usable(model, asked.arithmetic, asked.codec)
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, held, asked.arithmetic)
-    if size is None and bound is None:
-        bound = KNEE
-        try:
-            chosen, certificate = _certified(trials, codecs, None, bound, asked.points, tell)
-        except ExportError:
-            bound = None
-            chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
-    else:
+    nothing = size is None and bound is None
+    bound = KNEE if nothing else bound
+    try:
         chosen, certificate = _certified(trials, codecs, size, bound, asked.points, tell)
+    except ExportError:
+        if not nothing:
+            raise
+        bound = None
+        chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
@@ -228,7 +226,9 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
 def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
     """Return the channels to hold, in the order of the runtime."""
     held = [name for name in EXPORTABLE if name in recipe.channels]
-    wanted = held if asked is None else [asked] if isinstance(asked, str) else list(asked)
+    if isinstance(asked, str):
+        asked = [name.strip() for name in asked.split(",")]
+    wanted = held if asked is None else list(asked)
     for name in wanted:
         if name not in EXPORTABLE:
             raise InputError(
@@ -300,10 +300,11 @@ def examine(
     export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
 ) -> Certificate:
     """Certify one export."""
+    asked = device(export)
     if export.tables.tested:
-        return put_to_test(device(export), export.channels, bound, points, seed)
+        return put_to_test(asked, export.channels, bound, points, seed)
     cells, effort = export.tables.cells(export.model), Effort.of(points)
-    return certify(device(export), export.channels, cells, bound, effort, seed, trials.jumps)
+    return certify(asked, export.channels, cells, bound, effort, seed, trials.jumps)
 
 
 def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from lutgen.errors import InputError
 
-__all__ = ["ErrorBound", "parse_error", "parse_size"]
-
 # k is 1000 as in SI; the smaller reading never promises bytes that are not there.
 _FACTORS = {"": 1, "k": 1000, "ki": 1024, "m": 1000_000, "mi": 1024 * 1024}
 _SIZE = re.compile(r"([0-9]+(?:\.[0-9]*)?|\.[0-9]+) ?(|k|ki|m|mi)b?", re.IGNORECASE)

@@ -24,20 +24,12 @@ if TYPE_CHECKING:
     from lutgen.search import optimum
 
 _HOME = {
-    "ExportError": "errors",
-    "InputError": "errors",
-    "LutgenError": "errors",
-    "MapFileError": "errors",
-    "RecipeError": "errors",
-    "SweepError": "errors",
-    "evaluate": "channels",
-    "load_map": "mapping",
-    "load_recipe": "recipe",
+    **dict.fromkeys(("LutgenError", "ExportError", "InputError"), "errors"),
+    **dict.fromkeys(("MapFileError", "RecipeError", "SweepError"), "errors"),
+    **dict.fromkeys(("evaluate", "stability"), "channels"),
+    **dict.fromkeys(("load_map", "sweep"), "mapping"),
+    **dict.fromkeys(("load_recipe", "parse_recipe", "postures"), "recipe"),
     "optimum": "search",
-    "parse_recipe": "recipe",
-    "postures": "recipe",
-    "stability": "channels",
-    "sweep": "mapping",
 }
 
 __all__ = [

@@ -7,9 +7,7 @@ docs/reference/bounds.md is this table.
 from dataclasses import dataclass
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, unreadable
-
-__all__ = ["BOUNDS", "Bound", "check", "read", "short_enough"]
+from lutgen.errors import InputError, RecipeError, one_line, reject
 
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
@@ -50,29 +48,13 @@ BOUNDS: dict[str, Bound] = {
 
 
 def check(value: int, bound: Bound, where: str, way_out: str) -> None:
-    """Refuse a number above a bound, before anything is made of that size.
+    """Refuse a number above a bound with InputError, before anything is made of that size.
 
-    Parameters
-    ----------
-    value : int
-        What was asked for.
-    bound : Bound
-        What it may be at most.
-    where : str
-        The file and key, or the option, that asks for it.
-    way_out : str
-        What to do instead.
-
-    Raises
-    ------
-    InputError
-        Above the bound.
+    `where` is the file and key, or the option, that asks for it, and `way_out` what to do instead.
     """
     if value > bound.most:
-        raise InputError(
-            f"{where}: beyond the limit of {bound.most:,} {bound.what} (got {shown(value)}); "
-            f"{way_out}."
-        )
+        what = f"beyond the limit of {bound.most:,} {bound.what}"
+        reject(where, what, shown(value), way_out, InputError)
 
 
 def read(source: str, bound: Bound) -> bytes:
@@ -81,27 +63,21 @@ def read(source: str, bound: Bound) -> bytes:
         with Path(source).open("rb") as file:
             return short_enough(file.read(bound.most + 1), source, bound)
     except OSError as error:
-        raise unreadable(source, error) from error
+        missing = isinstance(error, FileNotFoundError)
+        what = "there is no such file" if missing else f"cannot be read (got {error.strerror})"
+        raise RecipeError(f"{one_line(source)}: {what}; check the path.") from error
 
 
 def short_enough(content: bytes, source: str, bound: Bound) -> bytes:
     """Return bytes, or refuse too many of them with RecipeError."""
     if len(content) > bound.most:
-        raise RecipeError(
-            f"{source}: is too long (got more than {bound.most:,} {bound.what}); leave out what "
-            "is not needed, or name another file."
-        )
+        what, way_out = "is too long", "leave out what is not needed, or name another file"
+        reject(source, what, f"more than {bound.most:,} {bound.what}", way_out)
     return content
 
 
 def shown(value: int) -> str:
-    """Return a whole number for a message, a long one as its length.
-
-    Examples
-    --------
-    >>> shown(12345), shown(10**40)
-    ('12,345', 'a number of 41 digits')
-    """
+    """Return a whole number for a message, a long one as its length."""
     if abs(value) < 10**_SHOWN:
         return f"{value:,}"
     # Python refuses to print the longest; 0.30103 is log10 of 2.

@@ -5,8 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["halve"]
-
 Floats = NDArray[np.float64]
 
 
@@ -15,14 +13,7 @@ def halve(
 ) -> tuple[Floats, Floats]:
     """Return brackets (n,) that are 2^times narrower.
 
-    Parameters
-    ----------
-    happens : callable
-        Takes places (n,), returns (n,) bool.
-    before, after : (n,) float64
-        Where it does not happen, and where it does.
-    times : int
-        Halvings.
+    It does not happen at the places `before` (n,), and does at those `after`.
 
     Examples
     --------

@@ -1,8 +1,7 @@
 """Charts of the sphere of gravity directions: direction <-> (face, u, v).
 
 Face coordinates are gnomonic, u = g[a] / |g[c]| and v = g[b] / |g[c]| without any
-change of sign, with (c, a, b) of the face table below.  This file knows nothing of
-robots or files.
+change of sign, with (c, a, b) of the face table below.
 """
 
 import math
@@ -13,16 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 
-__all__ = ["STANDARD_GRAVITY", "Chart", "gravito_inertial", "gravity_from_up", "unit_directions"]
-
 # m/s^2.
 STANDARD_GRAVITY = 9.80665
 
 # Normal axis c, its sign, and the axes a (u) and b (v) of the faces -z, +x, -x, +y, -y, +z.
-FACE_NORMAL = (2, 0, 0, 1, 1, 2)
-FACE_SIGN = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0)
-FACE_U = (0, 1, 1, 0, 0, 0)
-FACE_V = (1, 2, 2, 2, 2, 1)
+FACE_NORMAL = np.array([2, 0, 0, 1, 1, 2])
+FACE_SIGN = np.array([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
+FACE_U = np.array([0, 1, 1, 0, 0, 0])
+FACE_V = np.array([1, 2, 2, 2, 2, 1])
 
 # Directions that are normalised together: along columns that fit into the cache NumPy is four times
 # as fast as along rows of three.
@@ -35,44 +32,14 @@ _RIM = 1e-12
 class Chart:
     """A chart: which directions a map covers and where its nodes are.
 
-    Parameters
-    ----------
-    kind : {"cone", "sphere"}
-        ``"cone"``: the one face around -z, a square in (u, v) whose sides are
-        `max_tilt` away from straight down.  ``"sphere"``: six faces, every direction.
-    nodes : int
-        Nodes per side of a face; 1 (cone only) means straight down and nothing else.
-    max_tilt : float
-        Radians, cone only; ignored by the sphere.
-
-    Examples
-    --------
-    >>> chart = Chart("cone", 3, math.pi / 4)
-    >>> chart.coords.round(12).tolist()
-    [-1.0, 0.0, 1.0]
-    >>> face, u, v, inside = chart.locate([[0.5, 0.0, -1.0], [0.0, 0.0, 1.0]])
-    >>> u.tolist(), inside.tolist()
-    ([0.5, nan], [True, False])
+    ``"cone"`` is the one face around -z, a square in (u, v) whose sides are `max_tilt` (rad) away
+    from straight down, and with one node straight down alone; ``"sphere"`` is six faces, every
+    direction, with two nodes or more per side.
     """
 
     kind: str
     nodes: int
     max_tilt: float = math.pi / 4
-
-    def __post_init__(self) -> None:
-        if self.kind not in ("cone", "sphere"):
-            raise InputError(f"chart kind is unknown (got {self.kind!r}); use 'cone' or 'sphere'.")
-        fewest = 1 if self.kind == "cone" else 2
-        if self.nodes < fewest:
-            raise InputError(
-                f"a {self.kind} chart needs at least {fewest} node(s) per side "
-                f"(got {self.nodes}); ask for more nodes."
-            )
-        if self.kind == "cone" and not 0.0 < self.max_tilt < math.pi / 2:
-            raise InputError(
-                f"max_tilt must lie between 0 and pi/2 rad (got {self.max_tilt}); "
-                "use the chart 'sphere' for larger tilts."
-            )
 
     @property
     def faces(self) -> int:
@@ -98,29 +65,16 @@ class Chart:
         return np.asarray((evenly - evenly[::-1]) / 2.0)
 
     def directions(self) -> NDArray[np.float64]:
-        """Return the gravity direction of every node.
-
-        Returns
-        -------
-        (faces, nodes, nodes, 3) float64
-            Unit vectors in the body frame, indexed by face, v, u.
-        """
+        """Return the gravity directions (faces, nodes, nodes, 3), unit, by face, v and u."""
         v, u = np.meshgrid(self.coords, self.coords, indexing="ij")
-        result = np.empty((*self.shape, 3))
-        for face in range(self.faces):
-            result[face, ..., FACE_NORMAL[face]] = FACE_SIGN[face]
-            result[face, ..., FACE_U[face]] = u
-            result[face, ..., FACE_V[face]] = v
-        return result / np.sqrt(1.0 + u * u + v * v)[None, :, :, None]
+        middle, across, up = self.basis().transpose(1, 0, 2)[:, :, None, None]
+        directions = middle + u[..., None] * across + v[..., None] * up
+        return np.asarray(directions / np.sqrt(1.0 + u * u + v * v)[None, :, :, None])
 
     def basis(self) -> NDArray[np.float64]:
-        """Return the frame of every face.
+        """Return the frames (faces, 3, 3): the middle of each face, its u axis, its v axis.
 
-        Returns
-        -------
-        (faces, 3, 3) float64
-            Rows: the middle of the face, its u axis, its v axis.  The direction at
-            (u, v) is middle + u * (u axis) + v * (v axis), not normalised.
+        The direction at (u, v) is middle + u * (u axis) + v * (v axis), not normalised.
         """
         result = np.zeros((self.faces, 3, 3))
         for face in range(self.faces):
@@ -135,14 +89,10 @@ class Chart:
         return np.asarray(1.0 / np.sqrt(1.0 + u * u + v * v))
 
     def solid_angle(self) -> NDArray[np.float64]:
-        """Return the solid angle that each node stands for.
+        """Return the solid angle (faces, nodes, nodes) that each node stands for, sr.
 
-        Returns
-        -------
-        (faces, nodes, nodes) float64
-            Steradians of the node's dual cell (up to half way to its neighbours,
-            cut at the face's rim); the sum is the solid angle of the whole chart,
-            4 pi for the sphere.  The only node of a one-node chart weighs 1.
+        That is its cell up to half way to its neighbours, cut at the face's rim.  The sum is the
+        solid angle of the whole chart; the only node of a one-node chart weighs 1.
         """
         if self.nodes == 1:
             return np.ones(self.shape)
@@ -157,42 +107,23 @@ class Chart:
     def locate(
         self, gravity_dir: ArrayLike
     ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Find the face of each direction and the place on it.
+        """Find the face of each direction (m, 3), of any length above 0, and the place on it.
 
-        Parameters
-        ----------
-        gravity_dir : (m, 3) array_like
-            Directions pointing down, body frame, any length above 0.
-
-        Returns
-        -------
-        face : (m,) intp
-            The face that the largest component points to; of equal components the
-            lower face number wins, so a seam belongs to one face.
-        u, v : (m,) float64
-            Face coordinates; NaN for the cone where gravity has no component along -z.
-        inside : (m,) bool
-            Whether the chart covers the direction; always true for the sphere.
+        Returns the face (m,) that the largest component points to, of equal ones the lower number,
+        so that a seam belongs to one face; its coordinates u and v (m,), NaN for the cone where
+        gravity has no component along -z; and whether the chart covers the direction (m,).
         """
         down = unit_directions(gravity_dir)
         if down.ndim != 2:
             raise InputError(
                 f"gravity_dir must have shape (m, 3) (got {down.shape}); pass rows of x, y, z."
             )
-        if self.kind == "sphere":
-            along = np.stack(
-                [s * down[:, c] for c, s in zip(FACE_NORMAL, FACE_SIGN, strict=True)], axis=1
-            )
-            face = along.argmax(axis=1).astype(np.intp)
-        else:
-            face = np.zeros(len(down), dtype=np.intp)
-        row = np.arange(len(down))
-        depth = down[row, np.take(FACE_NORMAL, face)] * np.take(FACE_SIGN, face)
-        depth = np.where(depth > 0.0, depth, np.nan)
+        along = down[:, FACE_NORMAL[: self.faces]] * FACE_SIGN[: self.faces]
+        row, face = np.arange(len(down)), along.argmax(axis=1)
+        depth = np.where(along[row, face] > 0.0, along[row, face], np.nan)
         # A direction a hair below the horizon may overflow to infinity: not inside.
         with np.errstate(over="ignore"):
-            u = down[row, np.take(FACE_U, face)] / depth
-            v = down[row, np.take(FACE_V, face)] / depth
+            u, v = down[row, FACE_U[face]] / depth, down[row, FACE_V[face]] / depth
         rim = self.limit * (1.0 + _RIM) if self.nodes > 1 else _RIM
         inside = (np.abs(u) <= rim) & (np.abs(v) <= rim)
         u = np.where(inside, np.clip(u, -self.limit, self.limit), u)
@@ -201,23 +132,7 @@ class Chart:
 
 
 def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
-    """Return directions with length 1.
-
-    Parameters
-    ----------
-    vectors : (..., 3) array_like
-        Any length above 0, even one whose square overflows.
-
-    Returns
-    -------
-    (..., 3) float64
-        A normalised copy.
-
-    Examples
-    --------
-    >>> unit_directions([0.0, 0.0, -9.81]).tolist()
-    [0.0, 0.0, -1.0]
-    """
+    """Return directions (..., 3), of any length above 0 that a float has, with length 1."""
     raw = np.asarray(vectors, dtype=np.float64)
     if raw.ndim == 0 or raw.shape[-1] != 3:
         raise InputError(
@@ -243,19 +158,10 @@ def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
 
 
 def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
-    """Turn what an accelerometer at rest reads into the gravity direction.
+    """Turn what an accelerometer at rest reads (..., 3) into unit vectors pointing down.
 
-    Parameters
-    ----------
-    up_dir : (..., 3) array_like
-        Specific force in the body frame, any length above 0; on level ground it
-        points along +z.  While the robot accelerates it holds the inertial forces
-        too, and the result is then the direction that decides whether it tips.
-
-    Returns
-    -------
-    (..., 3) float64
-        Unit vectors pointing down.
+    On level ground it reads along +z.  While the robot accelerates it holds the inertial forces
+    too, and the result is then the direction that decides whether it tips.
 
     Examples
     --------
@@ -267,25 +173,10 @@ def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
 
 
 def gravito_inertial(gravity_dir: ArrayLike, acceleration: ArrayLike) -> NDArray[np.float64]:
-    """Return the direction of gravity and inertia together, for a robot that accelerates.
+    """Return the unit vector along 9.80665 g - a, for a robot that accelerates: what tips it.
 
-    Parameters
-    ----------
-    gravity_dir : (3,) array_like
-        Pointing down, body frame, any length above 0.
-    acceleration : (3,) array_like
-        Acceleration of the com, body frame, m/s^2.
-
-    Returns
-    -------
-    (3,) float64
-        Unit vector along 9.80665 g - a, g the unit gravity direction: what tips the robot, and
-        what an accelerometer reads with its sign turned (`gravity_from_up`).
-
-    Raises
-    ------
-    InputError
-        For numbers that are not finite, and in free fall, where nothing presses on the ground.
+    `gravity_dir` (3,) points down, `acceleration` (3,) is that of the com in m/s^2, both in the
+    body frame.  InputError is raised for numbers that are not finite, and in free fall.
 
     Examples
     --------

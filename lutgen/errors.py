@@ -7,19 +7,8 @@ expect, so that code which does not know lutgen can still catch it.
 
 import difflib
 from collections.abc import Iterable
-
-__all__ = [
-    "ExportError",
-    "InputError",
-    "LutgenError",
-    "MapFileError",
-    "RecipeError",
-    "SweepError",
-    "one_line",
-    "readable",
-    "suggestion",
-    "unreadable",
-]
+from importlib import import_module
+from typing import Any, NoReturn
 
 # Names that a message lists at most.
 _MOST = 30
@@ -51,19 +40,26 @@ class ExportError(LutgenError, RuntimeError):
     """No export meets what was asked for, or its folder could not be written or compiled."""
 
 
-def unreadable(source: str, error: OSError) -> RecipeError:
-    """Return the error for a recipe or a description that the system does not let us read."""
-    source = one_line(source)
-    if isinstance(error, FileNotFoundError):
-        return RecipeError(f"{source}: there is no such file; check the path.")
-    return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")
+def reject(
+    where: object, what: str, got: object, way_out: str, kind: type[LutgenError] = RecipeError
+) -> NoReturn:
+    """Raise an error in the sentence that all have."""
+    raise kind(f"{where}: {what} (got {got}); {way_out}.")
+
+
+def optional(what: str, name: str, package: str, otherwise: str) -> Any:
+    """Return a module of a package that need not be there; InputError says how to get it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        way_out = f"`pip install {package}`, or {otherwise}"
+        reject(what, "needs more packages", error, way_out, InputError)
 
 
 def readable(message: str) -> str:
-    """Return a message as a terminal may show it.
+    """Return a message as a terminal may show it, though it quotes names and values of files.
 
-    It quotes files, whose names and values may be of any length and hold characters that a
-    terminal obeys: those are written as escapes.
+    Those may be of any length and hold characters that a terminal obeys, which become escapes.
     """
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST - _END]} ... {message[-_END:]}"
@@ -71,13 +67,7 @@ def readable(message: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line that a terminal may show, whatever its names hold.
-
-    Examples
-    --------
-    >>> one_line("a" + chr(10) + "b") == "a" + chr(92) + "nb"
-    True
-    """
+    """Return a text as one line that a terminal may show, whatever its names hold."""
     return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 

@@ -1,28 +1,18 @@
-"""Write files that are either whole or not there, and replace only what lutgen has made.
+"""Write files that are either whole or not there, and replace only what lutgen has made."""
 
-A file is written under a temporary name and renamed.  A full disk and a bad path are one sentence.
-"""
-
+import contextlib
 import csv
 import hashlib
 import io
+import math
 import os
 import secrets
 import stat
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from lutgen.errors import InputError
-
-__all__ = [
-    "check_kind",
-    "check_target",
-    "csv_text",
-    "digest",
-    "is_ours",
-    "write_bytes",
-    "write_text",
-]
+from lutgen.errors import InputError, reject
 
 # How the kinds of files begin that can say who made them, and what lutgen's say.  Texts have no
 # place for a mark that no reader stumbles over, and recipes are for hands: both have none.
@@ -43,10 +33,7 @@ _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 def is_ours(path: str | os.PathLike[str]) -> bool:
     """Return whether a file carries the mark of those that lutgen makes; OSError may be raised."""
-    handle = os.open(path, os.O_RDONLY | _FLAGS | getattr(os, "O_NONBLOCK", 0))
-    with os.fdopen(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            return False
+    with Path(path).open("rb") as file:
         ends = file.read(_NEAR)
         file.seek(max(file.tell(), file.seek(0, io.SEEK_END) - _NEAR))
         ends += file.read()
@@ -64,9 +51,8 @@ def check_kind(path: str | os.PathLike[str]) -> None:
     except OSError:
         return
     if leads is not None:
-        raise InputError(
-            f"{path}: is a link (got one to {leads}); name the file that it leads to, or remove it."
-        )
+        what, way_out = "is a link", "name the file that it leads to, or remove it"
+        reject(path, what, f"one to {leads}", way_out, InputError)
     if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
         raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
 
@@ -79,40 +65,20 @@ def check_target(
 ) -> None:
     """Refuse to write where something stands that lutgen did not make.
 
-    Parameters
-    ----------
-    path : path
-        Where a file is to be written.
-    force : bool
-        Whether a file of somebody else may be replaced.
-    content : bytes, optional
-        What is to be written: a file that holds just that may be replaced.
-    way_out : str
-        How the message ends.
-
-    Raises
-    ------
-    InputError
-        For a file without lutgen's mark, unless `force`; for a link or a device always.  A folder
-        is left to whoever writes.
+    InputError, which ends in `way_out`, is raised for a file without lutgen's mark, unless `force`
+    or it holds just the `content` that is to be written; for a link or a device always.  A folder
+    is left to whoever writes.
     """
     check_kind(path)
-    try:
-        found = os.lstat(path)
-        if force or stat.S_ISDIR(found.st_mode) or is_ours(path):
+    if force or not os.path.lexists(path) or Path(path).is_dir():
+        return
+    # What cannot be read is not ours.
+    with contextlib.suppress(OSError):
+        same = content is not None and Path(path).stat().st_size == len(content)
+        if is_ours(path) or (same and Path(path).read_bytes() == content):
             return
-        if content is not None and found.st_size == len(content):
-            handle = os.open(path, os.O_RDONLY | _FLAGS)
-            with os.fdopen(handle, "rb") as file:
-                if file.read(len(content) + 1) == content:
-                    return
-    except OSError:
-        # Nothing there, or the writing says what is wrong.
-        if not os.path.lexists(path):
-            return
-    raise InputError(
-        f"{path}: is there already, without a mark that lutgen made it (got no --force); {way_out}."
-    )
+    what = "is there already, without a mark that lutgen made it"
+    reject(path, what, "no --force", way_out, InputError)
 
 
 def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> None:
@@ -126,15 +92,10 @@ def write_bytes(
     failed: str = "cannot be written",
     force: bool = False,
 ) -> None:
-    """Write a file under a temporary name and rename it.
+    """Write a file under a temporary name, which cannot be foreseen, and rename it.
 
-    The temporary name cannot be foreseen, and the file behind it is opened only if it is new.
-
-    Raises
-    ------
-    InputError
-        As `check_target`; where the file cannot be written, in the words of `failed`: what was
-        there before is untouched.
+    InputError is raised as by `check_target`, and where the file cannot be written, in the words
+    of `failed`: what was there before is untouched.
     """
     check_target(path, force, content)
     target = Path(path)
@@ -146,33 +107,30 @@ def write_bytes(
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)
-            _put(partial, target, force, content)
+            # Somebody else may have taken the name meanwhile.
+            check_target(target, force, content)
+            partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
     except OSError as error:
-        raise InputError(
-            f"{target}: {failed} (got {error.strerror or error}); "
-            "choose a folder that exists and is writable."
-        ) from error
-
-
-def _put(partial: Path, target: Path, force: bool, content: bytes) -> None:
-    """Give a finished file its name; one that somebody else has taken meanwhile is left alone."""
-    if not force:
-        try:
-            os.link(partial, target)
-            return
-        except FileExistsError:
-            check_target(target, force, content)
-        except OSError:
-            # A file system without links.
-            pass
-    partial.replace(target)
+        what, way_out = failed, "choose a folder that exists and is writable"
+        reject(target, what, error.strerror or error, way_out, InputError)
 
 
 def digest(content: bytes) -> str:
     """Return the SHA-256 of bytes, in hex."""
     return hashlib.sha256(content).hexdigest()
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, null where a number is not finite."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    return [plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -188,15 +146,8 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(head)
-    writer.writerows([_cell(value) for value in row] for row in rows)
+    for row in rows:
+        # NaN differs from itself.
+        cells = ["" if one != one else one for one in row]
+        writer.writerow([int(one) if isinstance(one, bool) else one for one in cells])
     return out.getvalue()
-
-
-def _cell(value: object) -> object:
-    """Return a value as CSV has it."""
-    if isinstance(value, bool):
-        return int(value)
-    if isinstance(value, float):
-        # NaN differs from itself; float() drops NumPy's own way of printing.
-        return repr(float(value)) if value == value else ""
-    return value

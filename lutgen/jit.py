@@ -12,14 +12,14 @@ import functools
 import hashlib
 import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from llvmlite import binding
-from numba import prange, types
+from numba import types
 from numba.core import event, sigutils
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.codegen import JITCodeLibrary
@@ -27,8 +27,6 @@ from numba.core.compiler import Compiler, compile_result
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.misc.appdirs import user_cache_dir
-
-__all__ = ["cache_folder", "in_threads", "njit", "prange"]
 
 # "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
 # depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
@@ -44,8 +42,6 @@ _PACKAGES = (_PACKAGE, _PACKAGE.parent / "firmware_export")
 _FIRST = "compiling the kernels: about 20 seconds on an idle machine, kept for the next time"
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-Job = TypeVar("Job")
-Result = TypeVar("Result")
 
 
 class _Notice(event.Listener):  # type: ignore[misc]
@@ -54,7 +50,6 @@ class _Notice(event.Listener):  # type: ignore[misc]
     said = False
 
     def on_start(self, event: object) -> None:
-        """Say so at the first kernel that the folder does not hold."""
         if not self.said:
             self.said = True
             logging.getLogger("lutgen").warning(_FIRST)
@@ -71,7 +66,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> "_Place":
-        """Return the place of a function."""
         return cls(function, file)
 
     def ensure_cache_path(self) -> None:
@@ -79,7 +73,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
         Path(self.get_cache_path()).mkdir(exist_ok=True)
 
     def get_cache_path(self) -> str:
-        """Return the folder of the function's module."""
         return f"{cache_folder()}/{self.function.__module__}"
 
     def get_source_stamp(self) -> str:
@@ -87,7 +80,6 @@ class _Place(_CacheLocator):  # type: ignore[misc]
         return _digest(Path(self.file))
 
     def get_disambiguator(self) -> str:
-        """Return the line at which the function begins."""
         return str(self.function.__code__.co_firstlineno)
 
 
@@ -121,13 +113,11 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
 class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
     """The code of a kernel that others call: linked into theirs, and never run by itself.
 
-    numba would optimise it, with all that it calls, and make machine code of it and of a wrapper
-    for Python, and do the same again for each kernel above it: half of the time that compiling
-    takes.
+    numba would make machine code of it, with all that it calls, and a wrapper for Python, and do
+    the same again for each kernel above it: half of the time that compiling takes.
     """
 
     def finalize(self) -> None:
-        """Take in the code of all that is called."""
         for library in dict.fromkeys(self._linking_libraries):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalize_dynamic_globals()
@@ -140,33 +130,26 @@ class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
 
     @property
     def codegen(self) -> Any:
-        """What numba gives the environment of machine code to."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
         """Keep nothing: Python never calls this code."""
 
     def serialize_using_object_code(self) -> tuple[str, bytes]:
-        """Return what the disk cache keeps."""
         return self.name, self._get_module_for_linking().as_bitcode()
 
 
 class _InnerCompiler(Compiler):  # type: ignore[misc]
-    """numba's compiler, for the code that other kernels call."""
-
     def compile_extra(self, func: Any) -> Any:
-        """Compile a function."""
         self.state.library = _InnerCode(self.state.targetctx.codegen(), func.__qualname__)
         return super().compile_extra(func)
 
 
 class _InnerForms(_Forms):
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """Return a name beside that of the machine code for Python."""
         return f"{super().get_filename_base(fullname, abiflags)}.inner"
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """Return a form that was kept."""
         (name, code), fndesc, env, signature, _, lifted, annotation, reload_init, envs = payload
         library = _InnerCode(target_context.codegen(), name)
         library._final_module, library._finalized = binding.parse_bitcode(code), True
@@ -187,35 +170,21 @@ class _InnerForms(_Forms):
 
 
 class _InnerKernels(_Kernels):
-    """The disk cache of the code that other kernels call."""
-
     _impl_class = _InnerForms
 
 
 def njit(
-    *, parallel: bool = False, inline: bool = False, exact: bool = False, bare: bool = False
+    *, inline: bool = False, exact: bool = False, bare: bool = False
 ) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
-    Parameters
-    ----------
-    parallel : bool
-        Whether ``prange`` loops of the function run in several threads.
-    inline : bool
-        Whether the function is always inlined.  Worth it for small functions that take
-        arrays: each array argument is seven machine words, each table of arrays dozens.
-    exact : bool
-        Whether every operation is rounded by itself, as it is written.  For predicates that must
-        say the same wherever they are used.
-    bare : bool
-        Whether the function makes no array and returns none.  References to the arrays that it is
-        given are then not counted, which for ten arrays takes longer than a short kernel's work.
+    With ``NUMBA_DISABLE_JIT=1`` in the environment the function stays plain Python.
 
-    Returns
-    -------
-    callable
-        The decorator.  With ``NUMBA_DISABLE_JIT=1`` in the environment the
-        function stays plain Python.
+    One that is `inline` is so always: worth it for small functions that take arrays, of which each
+    argument is seven machine words.  In an `exact` one every operation is rounded by itself, as it
+    is written: predicates must say the same wherever they are used.  A `bare` one makes no array
+    and returns none; references to its arrays are then not counted, which for ten arrays takes
+    longer than a short kernel's work.
     """
 
     def compile_later(function: _Function) -> _Function:
@@ -223,7 +192,6 @@ def njit(
             "error_model": "numpy",
             "fastmath": False if exact else FASTMATH,
             "nogil": True,
-            "parallel": parallel,
             "forceinline": inline,
             "_nrt": not bare,
             # Nobody calls a kernel from C.
@@ -232,10 +200,8 @@ def njit(
         compiled: _Function = numba.njit(**options)(function)
         if not isinstance(compiled, CPUDispatcher):
             return compiled
-        called = compiled
-        if not parallel:
-            options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
-            called = numba.njit(**options)(function)
+        options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
+        called = numba.njit(**options)(function)
         _call_inside(compiled, called)
         if cache_folder() is not None:
             called._cache, compiled._cache = _InnerKernels(function), _Kernels(function)
@@ -247,9 +213,8 @@ def njit(
 def _call_inside(compiled: Any, called: Any) -> None:
     """Let kernels call a form of a kernel of their own, one for literal integers and for others.
 
-    numba compiles a callee once for each literal that a caller hands on, and once more for a
-    variable: a counter that starts at 0 doubles everything below it.  After inlining the machine
-    code is the same.
+    numba compiles a callee once for each literal that a caller hands on, and for a variable: a
+    counter that starts at 0 doubles everything below it.  The machine code is the same.
     """
     find = called.get_call_template
 
@@ -263,11 +228,10 @@ def _call_inside(compiled: Any, called: Any) -> None:
 
 @functools.cache
 def cache_folder() -> str | None:
-    """Return the folder of the machine code, or None if nothing can be written there.
+    """Return the folder of the machine code; None if it cannot be written, to compile each time.
 
-    It is ``<root>/<digest>``.  The root is ``NUMBA_CACHE_DIR``, else ``lutgen`` in the user's cache
-    folder.  The digest changes with every file that holds kernels, with numba and with the
-    processor.  Without a folder, kernels are compiled at each start.
+    It is ``<root>/<digest>``: the root ``NUMBA_CACHE_DIR``, or ``lutgen`` in the user's caches; the
+    digest changes with every file that holds kernels, with numba and with the processor.
     """
     digest = hashlib.sha256()
     for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
@@ -289,30 +253,17 @@ def cache_folder() -> str | None:
 
 @functools.cache
 def _digest(path: Path) -> str:
-    """Return the digest of a file of sources."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def in_threads(
     kernel: Callable[..., None], pieces: int, *arguments: object, least: int = 1
 ) -> None:
-    """Call a kernel on parts of a range, in as many threads as that is worth.
+    """Call ``kernel(begin, end, *arguments)`` on parts of a range, in threads of `least` pieces.
 
-    Kernels release Python's lock, so Python's own threads are enough, and no kernel is compiled a
-    second time for the sake of threads.  On a busy machine a thread that is woken for a few
-    microseconds of work is waited for until the machine has a core for it, which takes a thousand
-    times as long as the work.
-
-    Parameters
-    ----------
-    kernel : callable
-        Called as ``kernel(begin, end, *arguments)``.
-    pieces : int
-        The parts make up range(pieces).
-    arguments : object
-        The same for every part.
-    least : int
-        Pieces that a thread of its own is worth.
+    Kernels release Python's lock, so Python's own threads do, and no kernel is compiled a second
+    time for them.  On a busy machine a thread that is woken for a few microseconds of work is
+    waited for until a core is free, which takes a thousand times as long as the work.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:
@@ -325,20 +276,13 @@ def in_threads(
     for at in range(first):
         kernel(*bounds[at : at + 2], *arguments)
     spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
-    in_pool(lambda span: kernel(*span, *arguments), spans, threads)
-
-
-def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> list[Result]:
-    """Return what `work` answers to each job, in order, asked in so many threads."""
     pool = ThreadPoolExecutor(threads)
     try:
-        answers = list(pool.map(work, jobs))
-    except BaseException:
+        # All are waited for, and the first error is raised.
+        list(pool.map(lambda span: kernel(*span, *arguments), spans))
+    finally:
         # Ctrl-C need not wait for what nobody wants any more.
         pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
-    return answers
 
 
 # A kernel that is loaded from the folder is no such event.

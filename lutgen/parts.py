@@ -11,23 +11,6 @@ from typing import Any
 
 from lutgen.errors import InputError
 
-__all__ = [
-    "KINDS",
-    "ZERO",
-    "Axle",
-    "Contact",
-    "Force",
-    "Joint",
-    "Link",
-    "Parameter",
-    "Vector",
-    "Wheel",
-    "parents_first",
-    "to_display",
-    "to_internal",
-    "way_up",
-]
-
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -73,10 +56,7 @@ class Parameter:
         return to_internal(values, self.display_unit)
 
     def require(self, values: Any, where: str, low: float, high: float) -> None:
-        """Refuse values (m,) below `low` or above `high`, all in rad or length.
-
-        `where` is the file that has these limits.
-        """
+        """Refuse values (m,) below `low` or above `high`, limits (rad or length) of `where`."""
         # Angles in deg round when they become rad.
         slack = ROUNDING * max(high - low, abs(low), abs(high))
         inside = (low - slack <= values) & (values <= high + slack)
@@ -209,19 +189,10 @@ def way_up(parents: Mapping[str, str | None], name: str | None) -> list[str]:
 
 
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:
-    """Return the names with parents before children, or a loop.
+    """Return the names with parents before children, or a loop; a root has the parent None.
 
-    Parameters
-    ----------
-    parents : mapping of str to str or None
-        The parent of every name, itself a name; None for a root.
-
-    Returns
-    -------
-    order : list of str
-        By the distance from the root, otherwise as given; empty where there is a loop.
-    loop : list of str
-        The way from a name upwards until one is met again, which is the last; empty without one.
+    The order is by the distance from the root, otherwise as given, and empty where there is a loop:
+    that is the way from a name upwards until one is met again, which is the last.
 
     Examples
     --------

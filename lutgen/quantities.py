@@ -12,46 +12,34 @@ from typing import Any
 from lutgen.errors import InputError
 from lutgen.parts import to_display, to_internal
 
-__all__ = ["CHANNELS", "EXPORTABLE", "QUANTITIES", "RANKED", "UNLOADED", "Quantity", "wanted"]
-
 
 @dataclass(frozen=True)
 class Quantity:
     """A channel.
 
-    Attributes
-    ----------
-    name : str
-        As recipes, maps and commands write it.
-    unit : str
-        ``"rad"``, ``"1"``, or ``"length"`` for the recipe's length unit.
-    title : str
-        In the map file (`long_name`).
-    label, symbol : str
-        In figures: on an axis, and in a legend.
-    better : str, optional
-        ``"minimum"`` or ``"maximum"``, the end that is good; None for an index.
-    under_load : bool
-        Whether it is defined under forces and for a com that is known to a ball only.
-    exported : int, optional
-        Its place in the answer of the C runtime; None where C does not answer it.
-    in_c : str
-        What the C header says of it.
-    words : tuple of str
-        What its values 0, 1, 2... mean, the worst last; empty where they are numbers.  Of a
-        channel with words a map holds bytes, and nothing is ever interpolated.
+    `unit` is ``"rad"``, ``"1"``, or ``"length"`` for the recipe's length unit.  Its `title` is for
+    map files (`long_name`), its `label` for axes of figures.  `better` is the end that is good,
+    ``"minimum"`` or ``"maximum"``.
+    `under_load` says whether it is defined under forces and for a com that is known to a ball only;
+    `exported` is its place in the answer of the C runtime, and `in_c` what the C header says of it.
+    `words` are what its values 0, 1, 2... mean, the worst last, where they are no numbers: a map
+    then holds bytes, and nothing is ever interpolated.
     """
 
     name: str
     unit: str
-    title: str
-    label: str
-    symbol: str
     better: str | None
+    label: str
+    title: str
     under_load: bool = True
     exported: int | None = None
     in_c: str = ""
     words: tuple[str, ...] = ()
+
+    @property
+    def symbol(self) -> str:
+        """What legends call it: the formula of its label, if that has one."""
+        return self.label[max(self.label.find("$"), 0) :]
 
     @property
     def stored_type(self) -> str:
@@ -95,67 +83,50 @@ QUANTITIES = {
     one.name: one
     for one in (
         Quantity(
-            name="sdg",
-            unit="length",
-            title="stability factor |SD_g|",
-            label=r"stability factor $|SD_g|$",
-            symbol=r"$|SD_g|$",
-            better="minimum",
+            "sdg",
+            "length",
+            "minimum",
+            r"stability factor $|SD_g|$",
+            "stability factor |SD_g|",
             exported=0,
             in_c="stability factor |SD_g|, 0 at its most stable",
         ),
         Quantity(
-            name="height",
-            unit="length",
-            title="height |OC| of the com above the support facet's plane",
-            label=r"height $|OC|$",
-            symbol=r"$|OC|$",
-            better="minimum",
+            "height",
+            "length",
+            "minimum",
+            r"height $|OC|$",
+            "height |OC| of the com above the support facet's plane",
             exported=2,
             in_c="|OC|, height of the centre of mass over its support",
         ),
         Quantity(
-            name="tip_angle",
-            unit="rad",
-            title="signed angular distance to tip-over",
-            label="tip-over angle",
-            symbol="tip-over angle",
-            better="maximum",
+            "tip_angle",
+            "rad",
+            "maximum",
+            "tip-over angle",
+            "signed angular distance to tip-over",
             exported=1,
             in_c="angle until the robot tips, guard subtracted",
         ),
         Quantity(
-            name="margin",
-            unit="length",
-            title="static stability margin",
-            label="static stability margin",
-            symbol="static stability margin",
-            better="maximum",
+            "margin", "length", "maximum", "static stability margin", "static stability margin"
         ),
         Quantity(
-            name="energy_margin",
-            unit="length",
-            title="normalised energy stability margin",
-            label="energy stability margin",
-            symbol="energy stability margin",
-            better="maximum",
+            "energy_margin",
+            "length",
+            "maximum",
+            "energy stability margin",
+            "normalised energy stability margin",
             under_load=False,
         ),
+        Quantity("facet", "1", None, "support facet", "index of the support facet"),
         Quantity(
-            name="facet",
-            unit="1",
-            title="index of the support facet",
-            label="support facet",
-            symbol="support facet",
-            better=None,
-        ),
-        Quantity(
-            name="status",
-            unit="1",
-            title="whether the robot stands, rocks between rests, or tips over",
-            label="status",
-            symbol="status",
-            better=None,
+            "status",
+            "1",
+            None,
+            "status",
+            "whether the robot stands, rocks between rests, or tips over",
             words=("stands", "rocks", "tips"),
         ),
     )
@@ -167,20 +138,12 @@ RANKED = tuple(name for name, one in QUANTITIES.items() if one.better)
 UNLOADED = tuple(name for name, one in QUANTITIES.items() if not one.under_load)
 # In the order of smap_reading_t.
 EXPORTABLE = tuple(
-    one.name
-    for one in sorted(QUANTITIES.values(), key=lambda one: (one.exported is None, one.exported))
-    if one.exported is not None
+    one.name for one in sorted(QUANTITIES.values(), key=lambda one: one.exported or 0) if one.in_c
 )
 
 
 def wanted(names: Iterable[str]) -> tuple[bool, ...]:
-    """Return for each of `CHANNELS` whether it is among the names; refuse an unknown name.
-
-    Examples
-    --------
-    >>> wanted(["sdg", "tip_angle"])
-    (True, False, True, False, False, False, False)
-    """
+    """Return for each of `CHANNELS` whether it is among the names; refuse an unknown name."""
     asked = tuple(names)
     for name in asked:
         if name not in QUANTITIES:

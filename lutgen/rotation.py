@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from lutgen.vector import Floats, Vector
 
-__all__ = ["angles", "axis_rotation", "rotation"]
-
 # Below this cosine of the pitch, roll and yaw turn about the same axis and roll is set to 0.
 _LOCKED = 1e-9
 
@@ -31,6 +29,18 @@ def axis_rotation(axis: Vector, angle: float) -> Floats:
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turned = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
     return np.asarray(turned, dtype=np.float64)
+
+
+def from_quaternion(x: float, y: float, z: float, w: float) -> Floats:
+    """Return the rotation (3, 3) of a quaternion of any length above 0."""
+    x, y, z, w = np.array([x, y, z, w]) / math.hypot(x, y, z, w)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def angles(matrix: NDArray[np.float64]) -> Vector:

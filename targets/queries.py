@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify import device
+from firmware_export.certify.answers import device
 from firmware_export.host import STANDS
 from firmware_export.protocol import Export
 

@@ -11,16 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.host import STANDS, Host
+from firmware_export.host import FULL_SCALE, STANDS, Host, in_units
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
 from lutgen.vector import Bools, Floats
 
 # In the place of a status where nothing was asked.
 NOT_ASKED = -128
-FULL_SCALE = 32767
-# Integer reading of a channel that is not held, or of a robot that tips.
-ABSENT = 65535
 # Part of the largest value by which a channel that never changes does so in double precision.
 ROUNDED = 1e-9
 # Points that are asked at a time: bounds the memory of a certificate.
@@ -121,16 +118,9 @@ def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
 
 
 class Reader:
-    """Anything that answers queries about a model's robot.
+    """Anything that answers queries about a model's robot, in floats or, with `steps`, in integers.
 
-    Parameters
-    ----------
-    model : Model
-        The truth.
-    read : callable
-        Asks smap_read; or, with `steps`, smap_read_i.
-    steps : dict of str to float, optional
-        Value of one step of the integer channels sdg and height.
+    `steps` has the value of one step of the integer channels sdg and height.
     """
 
     def __init__(self, model: Model, read: Read, steps: dict[str, float] | None = None) -> None:
@@ -159,7 +149,7 @@ class Reader:
             part = asked[at : at + BLOCK]
             found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
             status[part] = found
-            values[part] = self._units(reading)
+            values[part] = reading if self.steps is None else in_units(reading, self.steps)
         stands = np.isin(status, STANDS)
         grid = (m, d)
         answers = Answers(
@@ -167,17 +157,6 @@ class Reader:
             *(np.ascontiguousarray(values[:, column]).reshape(grid) for column in range(3)),
         )
         return Measured(known.sample, answers, known.exact)
-
-    def _units(self, reading: NDArray[Any]) -> Floats:
-        """Turn readings (n, 3) into float64 in the units of the float path."""
-        values = reading.astype(np.float64)
-        if self.steps is not None:
-            missing = reading[:, [0, 2]] == ABSENT
-            values[:, 1] = np.arcsin(np.clip(values[:, 1] / FULL_SCALE, -1.0, 1.0))
-            values[:, 0] *= self.steps.get("sdg", np.nan)
-            values[:, 2] *= self.steps.get("height", np.nan)
-            values[:, [0, 2]] = np.where(missing, np.nan, values[:, [0, 2]])
-        return values
 
 
 def device(export: Export) -> Reader:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.certify.answers import Measured, Needs, Reader, Witness
-from firmware_export.truth import Sample, boundary, on_chart, unit
+from firmware_export.truth import Sample, cross_boundary, on_chart, unit
 from lutgen.vector import Bools, Floats
 
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
@@ -78,21 +78,10 @@ def climb(
 ) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
-    Parameters
-    ----------
-    reader : Reader
-        What answers.
-    begin : (s, k) and (s, 3) float64
-        Starts: parameters and gravity.  The best point of each is returned.
-    value : callable
-        What is maximised.
-    rounds, seed : int
-        Steps of each start, and their random numbers.
-    first_step : float
-        In shares of the box and in rad.
-    needs : callable, optional
-        At which exact tip angles the answer is needed, where the value is finite only there.
-        Others are not asked, unless the robot tips there, where no answer may be safe.
+    `begin` are parameters (s, k) and gravity (s, 3); the best point of each start is returned.
+    The first step is in shares of the box and in rad.  `needs` marks the exact tip angles at
+    which alone the value is finite: others are not asked, unless the robot tips there, where no
+    answer may be safe.
     """
     model, rng = reader.model, np.random.default_rng([seed, 2])
     best_q, best_g = (one.copy() for one in begin)
@@ -168,7 +157,7 @@ def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) ->
     found = across.any(axis=1)[:, None, None]
     inside = np.where(found & ~stands[..., None], other, here)
     outside = np.where(found & stands[..., None], other, here)
-    _, tips = boundary(model, params, inside, outside)
+    _, tips = cross_boundary(model, params, inside, outside)
     return np.asarray(np.where(found, tips, here)[:, 0])
 
 

@@ -54,7 +54,7 @@ class Effort(NamedTuple):
 class Certificate:
     """What was measured on an export.
 
-    Parameters
+    Attributes
     ----------
     points : int
         Points compared, those of the searches not counted; `standing` of them stand.
@@ -62,21 +62,13 @@ class Certificate:
         Per channel ``max`` (absent where |SD_g| jumps: then ``largest_seen``), ``p99``, ``rms`` in
         the channel's unit over all points, ``p99_uniform`` and ``rms_uniform`` over the uniform
         half; also ``range`` and the same in percent of it, ``..._percent``.
-    false_safe : int
-        Points of the sample and of the search that are called safe and tip.
-    false_tip : float
-        Share of the standing points of the uniform half that are called tipping.
-    jumps : bool
-        Whether |SD_g| jumps, so that its error has no bound; see `find_jumps`.
+    false_safe, false_tip : int, float
+        Points, also of the search, that are called safe and tip; share of the standing points of
+        the uniform half that are called tipping.
     beyond : float, optional
         Share of the standing uniform points whose |SD_g| error is beyond the bound asked for.
     nearest : float
-        rad by which the search failed to find a false safe: the least by which the answer to a
-        point that tips was below 0.
-    searched : int
-        Points that the searches tried.
-    witness : tuple, optional
-        Parameters, gravity, answered and true tip angle of a false safe.
+        rad by which the search failed to find a false safe.
     wrong : tuple, optional
         Parameters (n, k) and gravity (n, 3) of all that a test found.
     """
@@ -181,18 +173,9 @@ def certify(
 ) -> Certificate:
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
-    Parameters
-    ----------
-    reader, channels
-        What answers, and what it holds.
-    cells : Cells, optional
-        Knots of its table, in whose middles errors are largest.
-    bound : ErrorBound, optional
-        The largest error asked for, to count the points beyond it.
-    effort, seed
-        Points, and what the searches may take; a seed that no fit and no choice has used.
-    jumps : Jumps, optional
-        What `find_jumps` said, if it was asked before.
+    `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
+    asked for, to count the points beyond it; `seed` is one that no fit and no choice has used;
+    `jumps` is what `find_jumps` said, if it was asked before.
     """
     model, (points, count, rounds) = reader.model, effort or Effort()
     half, worst = -(-points // 2), None

@@ -5,5 +5,3 @@ In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`
 """
 
 from firmware_export.contacts.codec import INFO, drawn_tables
-
-__all__ = ["INFO", "drawn_tables"]

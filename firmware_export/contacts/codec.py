@@ -211,6 +211,7 @@ class Contacts(Codec):
 
     name = "contacts"
     families: ClassVar = {"float": "points"}
+    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -244,10 +245,6 @@ class Contacts(Codec):
     def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         """Return the tables: every channel is computed from the same."""
         return _tables(model, spec)
-
-    def read_label(self, label: str) -> Spec:
-        """Return the size with a label."""
-        return Spec.of_label(label)
 
     def exact(self, model: Model) -> bool:
         """Tell whether nothing else need be tried.

@@ -5,25 +5,5 @@ In reading order: `limits`, `objective`, `table`, `maker`, `steering`, `ride`, `
 
 from firmware_export.control.loop import Loop, Plant, controlled, uncontrolled
 from firmware_export.control.maker import Design, Loss, Wishes, design
-from firmware_export.control.ride import Ride, read_log, ride_along, ride_logged
+from firmware_export.control.ride import Ride, ride_along, ride_logged
 from firmware_export.control.steering import Steering, policy, steered, steering_in, steering_of
-
-__all__ = [
-    "Design",
-    "Loop",
-    "Loss",
-    "Plant",
-    "Ride",
-    "Steering",
-    "Wishes",
-    "controlled",
-    "design",
-    "policy",
-    "read_log",
-    "ride_along",
-    "ride_logged",
-    "steered",
-    "steering_in",
-    "steering_of",
-    "uncontrolled",
-]

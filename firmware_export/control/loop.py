@@ -26,18 +26,8 @@ CHANNELS = ("sdg", "height", "tip_angle", "margin")
 class Plant:
     """What lies between the C and the ground.
 
-    Parameters
-    ----------
-    latency : float
-        From sample to motion, s; a command acts a cycle after its sample at the earliest.
-    rates : (k,) float64
-        How fast joints are, per second.
-    noise : float
-        Standard deviation of each axis of the accelerometer, m/s^2.
-    seed : int
-        Of the noise.
-    gyroscope : bool
-        Whether the robot has one.
+    From sample to motion it takes `latency` (s), a cycle at least; joints change by `rates` (k,) in
+    a second; `noise` is the standard deviation of each axis of the accelerometer, m/s^2.
     """
 
     latency: float
@@ -53,14 +43,9 @@ class Plant:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A ride under control.
+    """A ride under control: `drive` as of `lutgen path`, where `wanted` is what the C commanded.
 
-    Parameters
-    ----------
-    drive : Drive
-        As of `lutgen path`; `wanted` is what the C commanded.
-    moves, alarms, poses : (n,) uint8
-        Of each cycle: smap_move_t, the alarm's level, poses that were made.
+    `moves` (smap_move_t), `alarms` (levels) and `poses` (made) are of each of n cycles.
     """
 
     drive: Drive
@@ -79,24 +64,7 @@ def uncontrolled(steering: Steering, ride: Ride, start: Floats) -> Drive:
 
 
 def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> Loop:
-    """Return the ride that the C steers.
-
-    Parameters
-    ----------
-    steering : Steering
-        Map and policy.
-    ride : Ride
-        The ground, n cycles.
-    start : (k,) float64
-        The posture in which it begins.
-    plant : Plant
-        Sensors and actuators.
-
-    Raises
-    ------
-    InputError
-        For a plant that is none.
-    """
+    """Return the ride that the C steers, from posture (k,) `start`; refuse a plant that is none."""
     _refuse(plant)
     recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()

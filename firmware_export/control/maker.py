@@ -27,29 +27,9 @@ CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 class Wishes:
     """What a policy is asked for; angles in rad, lengths in the recipe's unit, times in s.
 
-    Parameters
-    ----------
-    objective : str
-        See `score_of`.
-    within : float
-        By how much less than the best score will do, for the sake of smoothness.
-    nodes : int
-        Nodes a side of the table.
-    slope : float
-        Steepest slope of the table along x or y.
-    home, rate, delta : mapping of str to float
-        By parameter: where the robot is if nothing else matters; change in a second; range around
-        what the driver asks for.
-    cycle, latency, margin : float
-        Of a cycle; from sample to motion; tip angle that ways are to keep.
-    levels : (float, float, float)
-        Tip angles below which the alarm has level 1, 2, 3.
-    swerve : float
-        By how much `up` may turn in a cycle beyond what the gyroscope says.
-    convention : str
-        How gravity turns while the shape changes, see `lutgen.channels`.
-    poses : int
-        Poses that a cycle may make of many contacts, 1 or 2.
+    `lutgen policy -h` says what each is.  Of `home`, `rate` and `delta` parameters may be left out;
+    `within` is in the unit of the objective (see `score_of`); below `levels` the alarm has level 1,
+    2, 3; by `swerve` `up` may turn in a cycle beyond what the gyroscope says.
     """
 
     objective: str = "tip_angle"
@@ -95,13 +75,7 @@ class Design(NamedTuple):
 
 
 def design(model: Model, wishes: Wishes) -> Design:
-    """Return the policy of a robot, and what it loses.
-
-    Raises
-    ------
-    InputError
-        For a robot that has nothing to move, and wishes that mean nothing.
-    """
+    """Return the policy of a robot, and what it loses; refuse wishes that mean nothing."""
     _refuse(model, wishes)
     parameters, n = model.recipe.parameters, wishes.nodes
     # A move of one (rad) of each parameter: of a length, its axis.
@@ -222,20 +196,20 @@ def _refuse(model: Model, wishes: Wishes) -> None:
             if what != "home" and not 0.0 < value < math.inf:
                 raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
     levels, slope = wishes.levels, math.degrees(wishes.slope)
-    above = [(what, getattr(wishes, what)) for what in ("cycle", "latency", "margin", "swerve")]
-    for good, fault in (
-        (2 <= wishes.nodes <= 65, f"nodes: from 2 to 65 (got {wishes.nodes})"),
-        (wishes.poses in (1, 2), f"poses: 1 or 2 (got {wishes.poses})"),
-        (
-            wishes.convention in CONVENTIONS,
-            f"convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})",
+    faults = {
+        f"nodes: from 2 to 65 (got {wishes.nodes})": 2 <= wishes.nodes <= 65,
+        f"poses: 1 or 2 (got {wishes.poses})": wishes.poses in (1, 2),
+        f"convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})": (
+            wishes.convention in CONVENTIONS
         ),
-        (0.0 < slope < 89.0, f"slope: above 0 and below 89 deg (got {slope:g})"),
-        *((0.0 < value < math.inf, f"{what}: above 0 (got {value:g})") for what, value in above),
-        (
-            math.inf > levels[0] > levels[1] > levels[2] > 0.0,
-            f"levels: three angles above 0, falling (got {levels})",
+        f"slope: above 0 and below 89 deg (got {slope:g})": 0.0 < slope < 89.0,
+        f"levels: three angles above 0, falling (got {levels})": (
+            math.inf > levels[0] > levels[1] > levels[2] > 0.0
         ),
-    ):
+    }
+    for what in ("cycle", "latency", "margin", "swerve"):
+        value = getattr(wishes, what)
+        faults[f"{what}: above 0 (got {value:g})"] = 0.0 < value < math.inf
+    for fault, good in faults.items():
         if not good:
             raise InputError(f"--{fault}.")

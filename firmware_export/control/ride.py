@@ -23,20 +23,10 @@ UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
 class Ride:
     """A ride of n cycles.
 
-    Parameters
-    ----------
-    path : Path
-        Where it goes, a point for each cycle; of a log the time takes the place of x.
-    slope : (n, 3) float64
-        Gravity, unit, in the frame of the ground under the robot, with inertia if it was recorded.
-    size : (n,) float64
-        What the accelerometer measures, m/s^2.
-    driven : (n, k) float64, optional
-        The posture that was recorded, which the driver asks for.
-    felt : (n, 3) float64, optional
-        Gravity, unit, in the body frame as it was recorded.
-    turning : (n, 3) float64, optional
-        Angular velocity as it was recorded, rad/s.
+    `path` has a point for each cycle; of a log the time takes the place of x.  `slope` (n, 3) is
+    gravity, unit, in the frame of the ground, with inertia if it was recorded, and `size` (n,) what
+    the accelerometer measures, m/s^2.  Of a log: `driven` (n, k), the posture, which the driver
+    asks for; `felt` (n, 3), gravity in the body frame; `turning` (n, 3), rad/s.
     """
 
     path: Path
@@ -50,10 +40,7 @@ class Ride:
 def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     """Return the ride along a path: with a cycle at each point, or at a speed (length per s).
 
-    Raises
-    ------
-    InputError
-        For a speed that is not above 0 or gives too many cycles, or fewer than two.
+    A speed that is not above 0 or gives too many cycles, or fewer than two, is refused.
     """
     if speed is not None:
         if not 0.0 < speed < math.inf:
@@ -78,27 +65,10 @@ def read_log(
 ) -> tuple[Floats, Floats, Floats | None, Floats]:
     """Read what a real robot has recorded.
 
-    Parameters
-    ----------
-    file : path
-        CSV in UTF-8.  The first line names the columns, in any order: time (s, ascending), ax, ay,
-        az (m/s^2, body frame, at rest up), if there is a gyroscope gx, gy, gz (rad/s), and each
-        parameter of the recipe by its name, in its unit there.
-    recipe : Recipe
-        The robot.
-
-    Returns
-    -------
-    time : (r,) float64
-    up : (r, 3) float64
-    rate : (r, 3) float64 or None
-    driven : (r, k) float64
-        rad or length.
-
-    Raises
-    ------
-    InputError
-        For anything else, with line and column.
+    The first line of the CSV names the columns, in any order: time (s, ascending), ax, ay, az
+    (m/s^2, body frame, at rest up), if there is a gyroscope gx, gy, gz (rad/s), and each parameter
+    of the recipe by its name, in its unit there.  Returns time (r,), up (r, 3), rate (r, 3) or
+    None, and the postures (r, k), rad or length.
     """
     source, joints = os.fspath(file), [p.name for p in recipe.parameters]
 
@@ -127,13 +97,12 @@ def read_log(
     return time, up, rate, np.stack(driven, axis=1)
 
 
-def ride_logged(
-    time: Floats, up: Floats, rate: Floats | None, driven: Floats, steering: Steering
-) -> Ride:
-    """Return the ride that a robot has recorded, of what `read_log` returns.
+def ride_logged(file: str | os.PathLike[str], steering: Steering) -> Ride:
+    """Return the ride that a robot has recorded.
 
     The ground's slope follows from accelerometer and joints as `smap_ground` has it.
     """
+    time, up, rate, driven = read_log(file, steering.recipe)
     count = (time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)
     at: Floats = time[0] + _times(count) * steering.cycle
     ups, joints = _between(at, time, up), _between(at, time, driven)

@@ -31,10 +31,7 @@ CHANNELS = ("tip_angle",)
 def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
     """Return an export with the policy that is asked for, and what is known of it.
 
-    Raises
-    ------
-    InputError
-        For wishes that mean nothing, and exports that are read without floats.
+    Wishes that mean nothing and exports that are read without floats are refused.
     """
     if export.integer:
         raise InputError(
@@ -56,31 +53,10 @@ def policy(
 ) -> tuple[dict[str, Any], Design]:
     """Write a robot's map, its policy and the C that follows it into a folder.
 
-    Parameters
-    ----------
-    source, directory
-        As for `firmware_export.export`.
-    wishes : Wishes, optional
-        What the policy is asked for.
-    tell : callable
-        Called with a text for people before each step.
-    **options
-        `name`, `flash`, `max_error`, `channels`, `codec`, `allow_python` and `points` of
-        `firmware_export.export`.
-
-    Returns
-    -------
-    dict
-        The content of NAME_report.json.
-    Design
-        The policy, and what it loses.
-
-    Raises
-    ------
-    InputError
-        For arguments that mean nothing.
-    ExportError
-        If nothing meets what is asked for, or the folder cannot be written.
+    `source`, `directory` and `options` (name, flash, max_error, channels, codec, allow_python,
+    points) are those of `firmware_export.export`, and so are the errors; `tell` is called with a
+    text for people before each step.  Returns the content of NAME_report.json, the policy and what
+    it loses.
     """
     check_directory(directory)
     export = certified(source, Asked(**options), tell)
@@ -92,22 +68,10 @@ def policy(
 
 @dataclass(frozen=True, eq=False)
 class Steering:
-    """A robot, its map and its policy.
+    """A robot, its map and its policy as bytes.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot; the truth comes from it.
-    blob : Blob
-        The map.
-    policy : bytes
-        Of `protocol.Policy.packed`.
-    cycle, latency : float
-        Of the policy, s.
-    rates : (k,) float64
-        Of the policy: changes in a second.
-    codec : str
-        Of the map.
+    The truth comes from the recipe; `cycle` and `latency` (s) and `rates` (k,), changes in a
+    second, are the policy's; `codec` is the map's.
     """
 
     recipe: Recipe
@@ -124,13 +88,7 @@ class Steering:
 
 
 def steering_in(directory: str | os.PathLike[str]) -> Steering:
-    """Return what a folder of `lutgen policy` holds.
-
-    Raises
-    ------
-    InputError
-        If it is none, was changed, or holds no policy.
-    """
+    """Return what a folder of `lutgen policy` holds; refuse any other, and a changed one."""
     folder = ExportFolder(directory)
     held: Any = folder.report.get("policy")
     if held is None:
@@ -157,13 +115,7 @@ def steering_in(directory: str | os.PathLike[str]) -> Steering:
 
 
 def steering_of(recipe: Recipe, wishes: Wishes, codec: str = "contacts") -> Steering:
-    """Return a robot with a map and a policy, made now and not certified.
-
-    Raises
-    ------
-    InputError
-        For wishes that mean nothing, and robots without such a map.
-    """
+    """Return a robot with a map and a policy, made now and not certified."""
     model = Model(recipe)
     info = usable(model, "float", codec)[0]
     export, found = steered(info.export(model, default_name(recipe.name), CHANNELS), wishes)

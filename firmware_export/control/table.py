@@ -24,18 +24,9 @@ COARSE, FINE = (0.8, 0.4, 0.2), (0.1, 0.05)
 def smooth(postures: Floats, score: Floats, home: Floats, scale: Floats, within: float) -> Floats:
     """Return postures (n, n, k) of a table's nodes, each within a little of its best.
 
-    Parameters
-    ----------
-    postures : (p, k) float64
-        What there is to choose from.
-    score : (n, n, p) float64
-        The larger the better.
-    home : (k,) float64
-        Where the robot is if nothing else matters.
-    scale : (k,) float64
-        A move of one of each parameter.
-    within : float
-        By how much less than the best score will do; with 0 it is the best alone.
+    Of `postures` (p, k), whose `score` is (n, n, p), those count that are less than `within` below
+    the best: with 0 it is the best alone.  `home` (k,) is where the robot is if nothing else
+    matters; a move by `scale` (k,) counts as one.
     """
     if within <= 0.0:
         return np.asarray(postures[score.argmax(axis=2)])
@@ -71,19 +62,8 @@ def polished(
 
     Moves only go downhill, so it is begun from several tables.  Of marv, whose flippers turn all
     the way round, the best of each node ends at a loss of 5.3 deg, one posture for all at 0.2.
-
-    Parameters
-    ----------
-    tables : sequence of (n, n, k) float64
-        To begin from; postures of the nodes, u first.
-    best : (n, n) float64
-        The score that will do at each node; between them what lies between is wanted.
-    ends : ((k,), (k,)) float64
-        Limits of the axes.
-    scale : (k,) float64
-        A move of one of each parameter.
-    score : callable
-        Returns scores (m,) of postures (m, k) at places (m, 2), in parts of the table's sides.
+    `best` (n, n) is the score that will do at each node, and between them what lies between;
+    `score` takes postures (m, k) at places (m, 2) in parts of the table's sides.
     """
     n = len(best)
     cells = np.array([*np.ndindex(n - 1, n - 1)])

@@ -8,16 +8,3 @@ from firmware_export.emit.facts import bytes_text, errors_of, flash_bytes, share
 from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, load_report, write
 from firmware_export.emit.size import code_bytes
-
-__all__ = [
-    "bytes_text",
-    "check_directory",
-    "check_name",
-    "code_bytes",
-    "default_name",
-    "errors_of",
-    "flash_bytes",
-    "load_report",
-    "share",
-    "write",
-]

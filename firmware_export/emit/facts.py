@@ -8,8 +8,6 @@ import math
 import re
 from typing import Any
 
-import numpy as np
-
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import runtime_version
 from firmware_export.emit.size import CELL, TARGET, counted_row, family_row
@@ -17,6 +15,7 @@ from firmware_export.host import family_of
 from firmware_export.protocol import Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
+from lutgen.files import plain
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
@@ -107,17 +106,6 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
         for call, numbers in cell.items()
         if isinstance(numbers, list)
     ]
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: no NumPy types, no NaN, no infinity."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def report(export: Export) -> dict[str, Any]:
@@ -218,13 +206,7 @@ def escaped(text: str) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number with a few significant digits, a dash if it is not known.
-
-    Examples
-    --------
-    >>> number(0.0123456), number(1234567.0), number(math.nan)
-    ('0.01235', '1234567', '-')
-    """
+    """Return a number with a few significant digits, a dash if it is not known."""
     if not math.isfinite(value):
         return "-"
     return f"{value:.0f}" if abs(value) >= 10.0**digits else f"{value:.{digits}g}"
@@ -257,13 +239,7 @@ def chart_text(chart: dict[str, Any]) -> str:
 
 
 def share(value: float | None) -> str:
-    """Return a share 0..1 in percent.
-
-    Examples
-    --------
-    >>> share(0.0123), share(0.0), share(None)
-    ('1.23 %', '0 %', 'not measured')
-    """
+    """Return a share 0..1 in percent."""
     return "not measured" if value is None else f"{100.0 * value:.3g} %"
 
 
@@ -299,14 +275,7 @@ def errors_of(content: dict[str, Any]) -> dict[str, tuple[str, str, str] | None]
 
 
 def bytes_text(sizes: dict[str, Any]) -> str:
-    """Return the bytes of flash in words; `sizes` is of `facts.flash_bytes`.
-
-    Examples
-    --------
-    >>> known = {"tables": 66, "descriptors": 60, "code": 1200, "total": 1326, "target": "M4"}
-    >>> bytes_text({**known, "measured": True})
-    '1,326 bytes, measured on M4: 66 of tables, 60 of descriptors, 1,200 of code'
-    """
+    """Return the bytes of flash in words; `sizes` is of `flash_bytes`."""
     parts = ", ".join(f"{sizes[kind]:,} of {kind}" for kind in KINDS if kind in sizes)
     total, how = f"{sizes['total']:,} bytes", f"on {sizes['target']}: {parts}"
     if sizes["measured"]:

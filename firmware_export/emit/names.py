@@ -54,13 +54,7 @@ def _fault(name: str) -> str | None:
 
 
 def check_name(name: str) -> str:
-    """Return a name that an export may have; refuse any other.
-
-    Examples
-    --------
-    >>> check_name("paper_two")
-    'paper_two'
-    """
+    """Return a name that an export may have; refuse any other."""
     fault = _fault(name)
     if fault is not None:
         raise InputError(

@@ -7,8 +7,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -68,39 +67,39 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     name = check_name(export.name)
     content = report(export)
     written = dict(texts(export, content))
-    own = ["smap.h", "LICENSE", *(["smap_control.h"] if export.policy else [])]
+    for own in ("smap.h", "LICENSE", *(["smap_control.h"] if export.policy else [])):
+        written[own] = runtime_file(own)
     files = {key: text.encode("utf-8") for key, text in written.items()}
-    files |= {key: runtime_file(key).encode("utf-8") for key in own}
     last = f"{name}{SUFFIX}"
-    content["files"] = [*files, last]
     digests = {key: file_digest(files[key]) for key in sorted(files)}
-    content["tables"] = {"source_sha256": digests[f"{name}.c"], **stored(describe(export))}
-    content[DIGESTS] = digests
+    content |= {
+        "files": [*files, last],
+        "tables": {"source_sha256": digests[f"{name}.c"], **stored(describe(export))},
+        DIGESTS: digests,
+    }
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    files[last] = text.encode("utf-8")
-    return files, content
+    return files | {last: text.encode("utf-8")}, content
 
 
-def _reports(directory: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the name and the content of each report in a folder, of any format."""
+def _listed(directory: Path) -> tuple[dict[str, str | None], list[str]]:
+    """Return what earlier exports left in a folder, of any format, and their robots.
+
+    That is the names of their files, with the digest of each if it is known.
+    """
+    names: dict[str, str | None] = {}
+    robots = []
     for path in sorted(directory.glob(f"*{SUFFIX}")):
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError):
             continue
         if isinstance(content, dict) and MARKER in content:
-            yield path.name, content
-
-
-def _listed(directory: Path) -> dict[str, str | None]:
-    """Return the names that earlier exports left in a folder, with the digest of each if known."""
-    names: dict[str, str | None] = {}
-    for report_name, content in _reports(directory):
-        files, known = content.get("files"), content.get(DIGESTS)
-        for name in files if isinstance(files, list) else ():
-            names[str(name)] = known.get(str(name)) if isinstance(known, dict) else None
-        names[report_name] = None
-    return names
+            files, known = content.get("files"), content.get(DIGESTS)
+            for name in files if isinstance(files, list) else ():
+                names[str(name)] = known.get(str(name)) if isinstance(known, dict) else None
+            names[path.name] = None
+            robots += [content["robot"]] if "robot" in content else []
+    return names, robots
 
 
 def _held(directory: Path) -> list[str]:
@@ -112,12 +111,14 @@ def _held(directory: Path) -> list[str]:
     )
 
 
-def check_directory(directory: str | os.PathLike[str], force: bool = False) -> Path:
+def check_directory(
+    directory: str | os.PathLike[str], force: bool = False, robot: str | None = None
+) -> Path:
     """Return the folder that an export may be written to; refuse a file or foreign content.
 
     A folder that does not exist, is empty or holds an earlier export and nothing else will do.
     With `force` a folder may hold other files, which stay unless a new one has their name, and an
-    export that was edited.  A link is never followed.
+    export that was edited or is of another than the named robot.  A link is never followed.
     """
     path = Path(directory)
     try:
@@ -135,7 +136,7 @@ def check_directory(directory: str | os.PathLike[str], force: bool = False) -> P
             return path
         if not path.is_dir():
             raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
-        listed = _listed(path)
+        listed, robots = _listed(path)
         for name in _held(path):
             if (path / name).is_symlink():
                 raise InputError(
@@ -154,6 +155,12 @@ def check_directory(directory: str | os.PathLike[str], force: bool = False) -> P
                 )
     except OSError as error:
         raise _unwritable(path, error) from error
+    for other in robots:
+        if robot not in (None, other) and not force:
+            raise InputError(
+                f"{path}: holds an export of the robot {other!r} (got {robot!r}); "
+                "name another folder, or pass --force to write over it."
+            )
     return path
 
 
@@ -163,44 +170,24 @@ def write(
     tell: Callable[[str], None] | None = None,
     force: bool = False,
 ) -> dict[str, Any]:
-    """Write an export folder; an earlier export there is replaced.
+    """Write an export folder, after an earlier one there; return the content of NAME_report.json.
 
-    Parameters
-    ----------
-    export : Export
-        What to write.
-    directory : path
-        See `check_directory`.
-    tell : callable, optional
-        What is written is first compiled and run, and this is called with what came of it.
-    force : bool
-        Whether files that lutgen did not make, or that were edited, may be replaced.
-
-    Returns
-    -------
-    dict
-        The content of NAME_report.json.
-
-    Raises
-    ------
-    InputError
-        For a folder that `check_directory` refuses, or that holds another robot's export.
-    ExportError
-        If it does not compile or run, or cannot be written.
+    With `tell` what is written is first compiled and run, and `tell` is called with what came of
+    it. Refused are folders as by `check_directory`, those of another robot's export unless `force`,
+    and, with an ExportError, what does not compile or run, or cannot be written.
     """
-    path = check_directory(directory, force)
-    for _, found in _reports(path):
-        robot = found.get("robot", export.recipe.name)
-        if robot != export.recipe.name and not force:
-            raise InputError(
-                f"{path}: holds an export of the robot {robot!r} (got {export.recipe.name!r}); "
-                "name another folder, or pass --force to write over it."
-            )
+    path = check_directory(directory, force, export.recipe.name)
     files, content = contents(export)
     if tell is not None:
         tell(try_out(files, export.name))
     try:
-        with _stage(path if path.is_dir() else path.absolute().parent) as stage:
+        # It is gone afterwards, unless it was renamed.
+        place = path if path.is_dir() else path.absolute().parent
+        made = tempfile.TemporaryDirectory(
+            prefix=".lutgen-export-", dir=place, ignore_cleanup_errors=True
+        )
+        with made as unfinished:
+            stage = Path(unfinished)
             for name, data in files.items():
                 (stage / name).parent.mkdir(parents=True, exist_ok=True)
                 (stage / name).write_bytes(data)
@@ -221,19 +208,9 @@ def _unwritable(path: Path, error: OSError) -> ExportError:
     )
 
 
-@contextmanager
-def _stage(parent: Path) -> Iterator[Path]:
-    """Make a folder for unfinished files, which is gone afterwards unless it was renamed."""
-    stage = Path(tempfile.mkdtemp(prefix=".lutgen-export-", dir=parent))
-    try:
-        yield stage
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)
-
-
 def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:
     """Move all files of a stage into a folder that exists, and remove what an export left there."""
-    old = set(_listed(path)) & set(_held(path)) - set(files)
+    old = set(_listed(path)[0]) & set(_held(path)) - set(files)
     # The report first: it names the others, so that the folder is known as an export's.
     for name in sorted(files, key=lambda name: not name.endswith(SUFFIX)):
         (path / name).parent.mkdir(parents=True, exist_ok=True)

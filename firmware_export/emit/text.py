@@ -8,13 +8,7 @@ WIDTH = 100
 
 
 def plain_text(text: str) -> str:
-    """Return a text that can stand in a comment of any compiler: ASCII, no comment marks.
-
-    Examples
-    --------
-    >>> plain_text("5°: a */ b")
-    '5 deg: a * / b'
-    """
+    """Return a text that can stand in a comment of any compiler: ASCII, no comment marks."""
     # A backslash at the end of a line would continue it, and ??/ is one for old compilers.
     text = re.sub(r"[^ -~]", "?", text.replace("°", " deg").replace("\\", "/"))
     return re.sub(r"\?(?=\?)", "? ", text).replace("*/", "* /").replace("/*", "/ *")
@@ -38,24 +32,18 @@ def block_comment(text: str) -> str:
     return "\n".join(out) + "\n */"
 
 
-def comment_lines(text: str) -> list[str]:
-    """Return a comment as lines that are each a comment; none for an empty text."""
-    return [f"/* {plain_text(part)} */" for part in textwrap.wrap(text, WIDTH - 6)]
-
-
-def columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return indented rows with their columns under one another."""
+def columns(rows: Sequence[Sequence[str]], margin: str = "  ", gap: str = "  ") -> list[str]:
+    """Return rows with their columns under one another."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
-        "  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+        margin + gap.join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
 
 
 def defines(rows: Sequence[tuple[str, str, str]]) -> list[str]:
     """Return aligned #define lines of rows of name, value and comment."""
-    widths = [max((len(cell) for cell in column), default=0) for column in zip(*rows, strict=True)]
-    return [f"#define {n:<{widths[0]}} {v:<{widths[1]}} /* {note} */" for n, v, note in rows]
+    return columns([(n, v, f"/* {note} */") for n, v, note in rows], "#define ", " ")
 
 
 def bytes_array(name: str, packed: bytes, sections: Sequence[tuple[int, str]]) -> str:
@@ -64,9 +52,8 @@ def bytes_array(name: str, packed: bytes, sections: Sequence[tuple[int, str]]) -
     lines = [f"const SMAP_FLASH uint8_t {name}[{len(packed)}] = {{"]
     fit = (WIDTH - 2) // 4
     for (begin, meaning), end in zip(sections, ends, strict=True):
-        lines += [f"  {line}" for line in comment_lines(f"{begin} {meaning}")]
+        said = textwrap.wrap(f"{begin} {meaning}", WIDTH - 6)
+        lines += [f"  /* {plain_text(part)} */" for part in said]
         for at in range(begin, end, fit):
-            lines.append(
-                "  " + ",".join(str(byte) for byte in packed[at : min(at + fit, end)]) + ","
-            )
+            lines.append(f"  {','.join(map(str, packed[at : min(at + fit, end)]))},")
     return "\n".join([*lines, "};"])

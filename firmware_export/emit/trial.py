@@ -28,19 +28,9 @@ def compiler() -> list[str] | None:
 
 
 def try_out(files: Mapping[str, bytes], name: str) -> str:
-    """Compile and run an export; return a sentence for people.
+    """Compile and run the files of an export; return a sentence for people.
 
-    Parameters
-    ----------
-    files : mapping
-        The files of the folder by name.
-    name : str
-        Of the export.
-
-    Raises
-    ------
-    ExportError
-        If it does not compile, its examples do not run, or there is no room to try it.
+    ExportError is raised if it does not compile, its examples do not run, or there is no room.
     """
     words = compiler()
     if words is None:

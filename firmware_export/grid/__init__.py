@@ -5,5 +5,3 @@ In reading order: `points`, `across`, `lookup`; `ground`, `train`, `fit`, `table
 
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.table import INFO as TABLE
-
-__all__ = ["LOOKUP", "TABLE"]

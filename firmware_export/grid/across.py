@@ -6,9 +6,8 @@ P_i to P_(i+1), so the tip angle is too large by at most the largest angle of th
 stored plane.  Errors along the legs lie in that plane and turn nothing.
 """
 
-from itertools import product
-
 import numpy as np
+from scipy.interpolate import interpn
 
 from firmware_export.grid.points import Point
 from firmware_export.truth import Model, combinations
@@ -25,14 +24,8 @@ MOST, AT_ONCE = 200_000, 20_000
 def turned(model: Model, order: tuple[int, int, int], points: tuple[Point, ...]) -> float:
     """Return how far (rad) an arc is above its stored plane at most; pi where there is no plane.
 
-    Parameters
-    ----------
-    model : Model
-        Its box is what sensors may say (`widened`).
-    order : tuple of int
-        The recipe's contacts in the order of the tables.
-    points : tuple of Point
-        The tables.
+    The model's box is what sensors may say (`widened`); `order` has the recipe's contacts in the
+    order of the tables.
     """
     nodes = np.ones(model.k, np.intp)
     for one in points:
@@ -54,17 +47,11 @@ def turned(model: Model, order: tuple[int, int, int], points: tuple[Point, ...])
 
 def _read(point: Point, t: Floats) -> Floats:
     """Return what is looked up (m, 3), in units of its codes, at places t (m, k) of the box."""
+    codes = point.codes.astype(np.float64)
     if not point.axes:
-        return np.broadcast_to(point.codes.astype(np.float64), (len(t), 3))
-    shape = np.array(point.codes.shape[:-1])
-    x = t[:, list(point.axes)] * (shape - 1)
-    cell = np.clip(x.astype(np.intp), 0, shape - 2)
-    part = x - cell
-    value = np.zeros((len(t), 3))
-    for corner in product((0, 1), repeat=len(shape)):
-        weight = np.where(corner, part, 1.0 - part).prod(axis=1)
-        value += weight[:, None] * point.codes[tuple((cell + corner).T)]
-    return value
+        return np.broadcast_to(codes, (len(t), 3))
+    knots = [np.linspace(0.0, 1.0, n) for n in codes.shape[:-1]]
+    return np.asarray(interpn(knots, codes, t[:, list(point.axes)]))
 
 
 def _above(true: Floats, held: Floats) -> float:

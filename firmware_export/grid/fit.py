@@ -64,20 +64,9 @@ Found = tuple[Floats, Floats]
 class Lesson:
     """What the tables of a robot learn from.
 
-    Parameters
-    ----------
-    ground : Ground
-        The robot.
-    low, high : (2,) float64
-        Places of v and of u between which it can stand.
-    block : (6,) int8
-        The block that holds the codes of each face, -1 where nothing stands.
-    bend : (k + 2, n) float64
-        See `bends`.
-    points : Points
-        In random order.
-    lengths : dict of str to (n,) float32
-        The truth of ``sdg`` and ``height`` at these points.
+    It stands between the places `low` and `high` (2,) of v and u alone; `block` (6,) is the block
+    that holds the codes of each face, -1 where nothing stands; `bend` is that of `bends`; `lengths`
+    are the truth (n,) of ``sdg`` and ``height`` at the `points`, which are in random order.
     """
 
     ground: Ground

@@ -53,18 +53,10 @@ class Fold(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """A robot as its tables see it.
+    """A robot as its tables see it: over its box, and over what sensors may say beyond it.
 
-    Parameters
-    ----------
-    narrow, model : Model
-        The robot; and over its box and what sensors may say beyond it.
-    places : tuple of Place
-        How its parameters become places.
-    rounds : tuple of bool
-        Whether an axis comes round, and so has no beyond.
-    fold : Fold, optional
-        Where left is as right.
+    `places` are how its parameters become places; `rounds`, whether an axis comes round, and so has
+    no beyond; `fold`, where left is as right.
     """
 
     narrow: Model

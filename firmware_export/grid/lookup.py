@@ -52,13 +52,7 @@ class Spec:
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("grid i8 4x1 1x4 1x1").nodes
-        ((4, 1), (1, 4), (1, 1))
-        """
+        """Return the size with a label."""
         _, bits, *words = label.split()
         return cls(int(bits[1:]), tuple(tuple(map(int, word.split("x"))) for word in words))
 
@@ -69,12 +63,10 @@ class Spec:
 
     def grown(self, axis: int) -> "Spec":
         """Return the next larger size along one parameter."""
-
-        def more(n: int) -> int:
-            return min(n + 1 + n // 8, MOST_NODES) if n > 1 else 1
-
-        nodes = [(*one[:axis], more(one[axis]), *one[axis + 1 :]) for one in self.nodes]
-        return Spec(self.bits, tuple(nodes))
+        rows = [list(one) for one in self.nodes]
+        for row in rows:
+            row[axis] = min(row[axis] + 1 + row[axis] // 8, MOST_NODES) if row[axis] > 1 else 1
+        return Spec(self.bits, tuple(map(tuple, rows)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,38 +88,24 @@ class Tables(AnyTables):
 
     def body(self, integer: bool) -> CBody:
         """Return the tables for the emitter, in the layout of runtime/smap_lookup.h."""
+        wide = [int(self.spec.bits == 16), 0, 0, self.order]
         arrays = [
             CArray("unit", "float", [self.unit], "length of one unit", False),
-            CArray(
-                "order",
-                "uint8_t",
-                [int(self.spec.bits == 16), 0, 0, self.order],
-                "bits, order",
-                False,
-            ),
+            CArray("order", "uint8_t", wide, "bits, order", False),
         ]
         for low, inverse, first, rate in self.places:
-            arrays.append(
-                CArray("place", "float", [low, inverse], "where an axis begins, 1 / span", False)
-            )
-            arrays.append(
-                CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
-            )
+            begins = "where an axis begins, 1 / span"
+            arrays.append(CArray("place", "float", [low, inverse], begins, False))
+            steps = [first, rate]
+            arrays.append(CArray("place in steps", "uint16_t", steps, "the same of steps", False))
         for one in self.points:
-            axes = [
-                n
-                for axis, count in zip(one.axes, one.codes.shape, strict=False)
-                for n in (axis, count)
-            ]
-            arrays.append(
-                CArray("axes", "uint8_t", [len(one.axes), *axes], "axes: parameter, nodes")
-            )
+            axes = [n for pair in zip(one.axes, one.codes.shape, strict=False) for n in pair]
+            comment = "axes: parameter, nodes"
+            arrays.append(CArray("axes", "uint8_t", [len(one.axes), *axes], comment))
         ctype = f"int{self.spec.bits}_t"
-        for one in self.points:
-            arrays.append(CArray("codes", ctype, one.codes, "x, y, z of each node"))
+        arrays += [CArray("codes", ctype, one.codes, "x, y, z of each node") for one in self.points]
         pose = POSE_I if integer else POSE
-        body = CBody(TABLES, tuple(arrays), 3, (), pose, self.unit)
-        return replace(body, rounded=ROUNDED)
+        return CBody(TABLES, tuple(arrays), 3, (), pose, self.unit, rounded=ROUNDED)
 
     def cells(self, model: Model) -> Cells:
         """Return the knots of the tables."""
@@ -146,6 +124,7 @@ class Lookup(Codec):
 
     name = "grid"
     families: ClassVar = {"float": "tables", "integer": "tables_i"}
+    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -206,10 +185,6 @@ class Lookup(Codec):
         text = "what the errors of the tables' positions can turn a tip-over plane"
         code = order[0] | order[1] << 2 | order[2] << 4
         return Tables(spec, points, tuple(places), code, unit, guard, text)
-
-    def read_label(self, label: str) -> Spec:
-        """Return the size with a label."""
-        return Spec.of_label(label)
 
 
 INFO = Lookup()

@@ -22,14 +22,9 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """The table of one contact.
+    """The table of one contact over the parameters on which it depends.
 
-    Parameters
-    ----------
-    axes : tuple of int
-        Parameters on which it depends.
-    codes : (nodes..., 3) int16 or int8
-        x, y, z in units, or in 128 units.
+    `codes` (nodes..., 3) are x, y, z in units, or of 8 bits in 128 units.
     """
 
     axes: tuple[int, ...]
@@ -73,19 +68,9 @@ def reach_of(model: Model) -> float:
 
 
 def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, unit: float) -> Point:
-    """Return the table of one contact.
+    """Return the table of one contact, in units, of so many nodes along each of its axes.
 
-    Parameters
-    ----------
-    model : Model
-        Its box is what sensors may say (`widened`).
-    contact : int
-    nodes : tuple of int
-        Along each axis on which it depends.
-    bits : int
-        Of a code: 8 or 16.
-    unit : float
-        Length of a unit.
+    The model's box is what sensors may say (`widened`).
     """
     axes = depends_on(model, contact)
 

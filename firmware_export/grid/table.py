@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid import fit
-from firmware_export.grid.ground import Ground
+from firmware_export.grid.ground import Fold, Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice
 from firmware_export.protocol import CArray, CBody, Codec
@@ -46,13 +46,7 @@ class Spec:
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("grid u8 5x5x9x9").nodes
-        (5, 5, 9, 9)
-        """
+        """Return the size with a label."""
         return cls(tuple(map(int, label.split()[2].split("x"))))
 
 
@@ -90,40 +84,30 @@ class Tables(AnyTables):
         """Return the tables for the emitter."""
         ground, knots = self.ground, self.knots
         params = len(ground.places)
-        fold = ground.fold
-        partner = fold.partner if fold is not None else tuple(range(params))
-        over = fold.over if fold is not None else (False,) * params
+        fold = ground.fold or Fold(tuple(range(params)), (False,) * params)
         first = 24 + 6 * params + sum(2 + one.nbytes for one in knots)
-        limit = math.ceil(ground.model.chart_limit * 8193.0)
+        limit = [math.ceil(ground.model.chart_limit * 8193.0), self.codes.shape[1]]
         blocks = int(self.block.max()) + 1
-        head = [len(self.codes), blocks, int(fold is not None), 0]
+        head = [len(self.codes), blocks, int(ground.fold is not None), 0]
+        counts = [*head, *self.block.view(np.uint8), 0, 0]
         arrays = [
-            CArray("limit", "uint32_t", [limit, self.codes.shape[1]], "chart, codes", False),
-            CArray(
-                "counts",
-                "uint8_t",
-                [*head, *self.block.view(np.uint8), 0, 0],
-                "tables, faces",
-                False,
-            ),
+            CArray("limit", "uint32_t", limit, "chart, codes", False),
+            CArray("counts", "uint8_t", counts, "tables, faces", False),
             CArray("first", "uint32_t", [first], "where the codes are", False),
         ]
         for i, place in enumerate(ground.places):
-            mirror = [partner[i], over[i] * (1 + int(ground.rounds[i]))]
+            mirror = [fold.partner[i], fold.over[i] * (1 + int(ground.rounds[i]))]
             arrays.append(CArray("place", "uint16_t", [place.first, place.rate], "steps", False))
             arrays.append(CArray("mirror", "uint8_t", mirror, "of which it is the image", False))
-        counts = [[n, len(one)] for n, one in zip(self.spec.nodes, knots, strict=True)]
-        arrays.append(CArray("axes", "uint8_t", counts, "nodes and knots of each axis"))
+        axes = [[n, len(one)] for n, one in zip(self.spec.nodes, knots, strict=True)]
+        arrays.append(CArray("axes", "uint8_t", axes, "nodes and knots of each axis"))
         arrays += [CArray("knots", "uint16_t", one, "places of an axis") for one in knots]
-        names = ("tip_angle", *(one for one in LENGTHS if one in self.channels))
+        names = ("tip_angle", *_lengths(self.channels))
         for name, codes in zip(names, self.codes, strict=True):
             arrays.append(CArray(f"{name} codes", "uint8_t", codes, "one for each node"))
-        held = (max(params, 1) + 1) // 2
-        words = 1 + held
-        steps = tuple(
-            (name, step / 128.0) for name, step in zip(names[1:], self.steps, strict=True)
-        )
-        return CBody(GRID, tuple(arrays), 0, (), (words, words), lengths=steps)
+        words = 1 + (max(params, 1) + 1) // 2
+        steps = zip(names[1:], (step / 128.0 for step in self.steps), strict=True)
+        return CBody(GRID, tuple(arrays), 0, (), (words, words), lengths=tuple(steps))
 
     def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
         """Return tables that call none of some points safe, lowered near them and anew."""
@@ -144,6 +128,7 @@ class Trained(Codec):
 
     name = "grid"
     families: ClassVar = {"integer": "grid"}
+    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -205,10 +190,6 @@ class Trained(Codec):
         steps = tuple(found[name][1] for name in lengths)
         lesson = fit.learn(model)
         return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
-
-    def read_label(self, label: str) -> Spec:
-        """Return the size with a label."""
-        return Spec.of_label(label)
 
 
 def _lengths(channels: tuple[str, ...]) -> tuple[str, ...]:

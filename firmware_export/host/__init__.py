@@ -3,32 +3,6 @@
 In reading order: `library`, `reader`, `control`.
 """
 
-from firmware_export.host.control import (
-    BLIND,
-    CYCLE,
-    ESCAPES,
-    HELD,
-    MOVES,
-    RESTS,
-    Controller,
-    budget,
-)
+from firmware_export.host.control import BLIND, ESCAPES, Controller, budget
 from firmware_export.host.library import RUNTIME, load_library
-from firmware_export.host.reader import STANDS, Host, family_of, stem_of
-
-__all__ = [
-    "BLIND",
-    "CYCLE",
-    "ESCAPES",
-    "HELD",
-    "MOVES",
-    "RESTS",
-    "RUNTIME",
-    "STANDS",
-    "Controller",
-    "Host",
-    "budget",
-    "family_of",
-    "load_library",
-    "stem_of",
-]
+from firmware_export.host.reader import FULL_SCALE, STANDS, Host, family_of, in_units, stem_of

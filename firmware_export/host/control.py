@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.host.library import load_library
-from firmware_export.host.reader import FAMILIES, Map
+from firmware_export.host.library import call
+from firmware_export.host.reader import stem_of
+from firmware_export.protocol import Blob
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
@@ -18,67 +19,41 @@ CYCLE = np.dtype(
         *(("alarm", "u1"), ("move", "u1"), ("poses", "u1"), ("spare", "u1")),
     ]
 )
-# smap_move_t.
-MOVES, RESTS, HELD, ESCAPES, BLIND = range(5)
+# Two of smap_move_t.
+ESCAPES, BLIND = 3, 4
 
 
 class Controller:
-    """A map and its policy, and the states of some robots that they steer.
-
-    Parameters
-    ----------
-    blob : Map
-        Of `protocol.describe`: read with floats.
-    policy : bytes
-        Of `protocol.Policy.packed`.
-    robots : int
-        How many states there are.
+    """A map that is read with floats and its policy, and the states of robots that they steer.
 
     Raises
     ------
     InputError
         If the map is read without floats, or the C refuses the policy.
-
-    Attributes
-    ----------
-    joints : int
-        Joints of a posture, k.
-    state_bytes : int
-        Bytes of a state, on this machine.
     """
 
-    def __init__(self, blob: Map, policy: bytes, robots: int = 1) -> None:
+    def __init__(self, blob: Blob, policy: bytes, robots: int = 1) -> None:
         if blob.integer:
             raise InputError(
                 "on-board control needs a map that is read with floats (got one without); export "
                 "with --arithmetic float."
             )
-        self.joints = blob.params
-        self._map = np.frombuffer(blob.bytes, np.uint8)
-        self._policy = np.frombuffer(policy, np.uint8)
-        self._stem = f"smap_{FAMILIES[blob.codec]}_host_"
+        self.joints, self.robots = blob.params, robots
+        # The C keeps their addresses.
+        self._flash = [np.frombuffer(one, np.uint8) for one in (blob.bytes, policy)]
+        self._stem = stem_of(blob)
         sizes = np.zeros(2, np.uint32)
-        self._function("control_sizes")(_at(sizes))
+        call(f"{self._stem}control_sizes", sizes)
         self._both = np.zeros(-(-int(sizes[0]) // 8), np.uint64)
-        self.state_bytes = int(sizes[1])
-        if self.state_bytes % 8:
-            raise InputError(f"a state has no whole words (got {self.state_bytes}); install anew.")
-        status = self._function("control")(
-            _at(self._both), *_sized(self._map), *_sized(self._policy)
-        )
-        if ctypes.c_int8(status).value != 0:
+        self._words = -(-int(sizes[1]) // 8)
+        flash = (part for one in self._flash for part in _sized(one))
+        status = call(f"{self._stem}control", self._both, *flash)
+        if status != 0:
             raise InputError(
                 f"the policy is refused by the C that follows it (got status {status}); it is "
                 "damaged, or of another map: make it again with `lutgen policy`."
             )
-        self.robots = robots
-        self.restart()
-
-    def restart(self, robots: int | None = None) -> None:
-        """Begin anew, with as many robots as there were or another number."""
-        self.robots = self.robots if robots is None else robots
-        self._states = np.zeros(self.robots * self.state_bytes // 8, np.uint64)
-        self._function("start")(_at(self._both), ctypes.c_int64(self.robots), _at(self._states))
+        self._states = self._started(robots)
 
     def step(
         self,
@@ -113,7 +88,7 @@ class Controller:
         """Return gravity in the ground's frame (m, 3) under postures (m, k) and `up` (m, 3)."""
         rows, ups = self._rows(posture), np.ascontiguousarray(up, np.float32)
         slope, status = np.empty((len(rows), 3), np.float32), np.empty(len(rows), np.int8)
-        self._call("ground", len(rows), self._scratch(), rows, ups, slope, status)
+        self._call("ground", len(rows), self._started(), rows, ups, slope, status)
         return slope.astype(np.float64), status
 
     def target(self, slope: ArrayLike, desired: ArrayLike | None = None) -> NDArray[np.float32]:
@@ -131,14 +106,14 @@ class Controller:
         """
         rows, ends = self._rows(start), self._rows(end)
         downs, least = np.ascontiguousarray(gravity, np.float32), np.empty(len(rows), np.float32)
-        self._call("transit", len(rows), self._scratch(), rows, ends, downs, least)
+        self._call("transit", len(rows), self._started(), rows, ends, downs, least)
         return least
 
-    def _scratch(self) -> NDArray[np.uint64]:
-        """Return a state of its own."""
-        state = np.zeros(self.state_bytes // 8, np.uint64)
-        self._function("start")(_at(self._both), ctypes.c_int64(1), _at(state))
-        return state
+    def _started(self, robots: int = 1) -> NDArray[np.uint64]:
+        """Return states of robots that begin."""
+        states = np.zeros(robots * self._words, np.uint64)
+        self._call("start", robots, states)
+        return states
 
     def _rows(self, posture: ArrayLike) -> NDArray[np.float32]:
         rows = np.ascontiguousarray(posture, np.float32)
@@ -149,17 +124,13 @@ class Controller:
             )
         return rows
 
-    def _function(self, what: str) -> Any:
-        return getattr(load_library(), self._stem + what)
-
     def _call(self, what: str, count: int, *arrays: NDArray[Any] | None) -> None:
         """Call a function of the library with map and policy, a count, and arrays."""
-        given = [ctypes.c_void_p(None) if one is None else _at(one) for one in arrays]
-        self._function(what)(_at(self._both), ctypes.c_int64(count), *given)
+        call(self._stem + what, self._both, ctypes.c_int64(count), *arrays)
 
 
 def budget(
-    blob: Map, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike, reads: int = 4
+    blob: Blob, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike, reads: int = 4
 ) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
     """Ask smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
 
@@ -170,20 +141,11 @@ def budget(
     downs = np.ascontiguousarray(gravity, np.float32)
     toward = np.ascontiguousarray(direction, np.float32)
     found, status = np.empty(len(rows), np.float32), np.empty(len(rows), np.int8)
-    function = getattr(load_library(), f"smap_{FAMILIES[blob.codec]}_host_budget")
-    function(
-        *_sized(np.frombuffer(blob.bytes, np.uint8)),
-        ctypes.c_int64(len(rows)),
-        *(_at(array) for array in (rows, downs, toward)),
-        ctypes.c_uint8(reads),
-        *(_at(array) for array in (found, status)),
-    )
+    map_ = _sized(np.frombuffer(blob.bytes, np.uint8))
+    given = (ctypes.c_int64(len(rows)), rows, downs, toward, ctypes.c_uint8(reads), found, status)
+    call(f"{stem_of(blob)}budget", *map_, *given)
     return found, status
 
 
-def _at(array: NDArray[Any]) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
-
-
-def _sized(array: NDArray[Any]) -> tuple[ctypes.c_void_p, ctypes.c_uint32]:
-    return _at(array), ctypes.c_uint32(len(array))
+def _sized(array: NDArray[Any]) -> tuple[NDArray[Any], ctypes.c_uint32]:
+    return array, ctypes.c_uint32(len(array))

@@ -7,6 +7,9 @@ import ctypes
 import hashlib
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from lutgen.errors import ExportError
 
@@ -19,13 +22,7 @@ WAY_OUT = (
 
 @cache
 def load_library() -> ctypes.CDLL:
-    """Return the library.
-
-    Raises
-    ------
-    ExportError
-        If it was not built, or from other files.
-    """
+    """Return the library; ExportError is raised if it was not built, or from other files."""
     path = RUNTIME / NAME
     if not path.is_file():
         raise ExportError(
@@ -38,7 +35,9 @@ def load_library() -> ctypes.CDLL:
         raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
     loaded.smap_points_host_sources.restype = ctypes.c_char_p
     built = loaded.smap_points_host_sources().decode("ascii")
-    if built != sources_digest():
+    # As setup.py computes it.
+    files = sorted(RUNTIME.glob("*.[ch]"))
+    if built != hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest():
         raise ExportError(
             f"{path}: was built from other files than those beside it (got the digest "
             f"{built[:12]}); {WAY_OUT}"
@@ -46,7 +45,12 @@ def load_library() -> ctypes.CDLL:
     return loaded
 
 
-def sources_digest() -> str:
-    """Return the digest of the runtime's files, as setup.py computes it."""
-    files = sorted(RUNTIME.glob("*.[ch]"))
-    return hashlib.sha256(b"\0".join(path.read_bytes() for path in files)).hexdigest()
+def call(name: str, *given: Any) -> int:
+    """Call a function that returns a status, if anything; arrays are given by address."""
+    passed = [
+        ctypes.c_void_p(None if one is None else one.ctypes.data)
+        if one is None or isinstance(one, np.ndarray)
+        else one
+        for one in given
+    ]
+    return ctypes.c_int8(getattr(load_library(), name)(*passed)).value

@@ -2,14 +2,17 @@
 
 import ctypes
 import os
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.host.library import load_library
+from firmware_export.host.library import call
+from firmware_export.protocol import Blob
 from lutgen.errors import InputError
+from lutgen.vector import Floats
 
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
 PIECE = 4096
@@ -28,26 +31,8 @@ STANDS = (0, 1)
 FAMILIES = {1: "points", 3: "tables", 4: "grid", 5: "rails", 6: "search"}
 # Where a blob has the number of its contacts.
 CONTACTS = 13
-
-
-class Map(Protocol):
-    """What is asked of a map: its bytes, and what reads them."""
-
-    @property
-    def bytes(self) -> bytes:
-        """As they stand in flash."""
-
-    @property
-    def codec(self) -> int:
-        """Its number in runtime/smap_map.h."""
-
-    @property
-    def params(self) -> int:
-        """How many parameters it has."""
-
-    @property
-    def integer(self) -> bool:
-        """Whether it is read without floats."""
+# What smap_read_i calls a channel that is not held, and its full scale.
+NOT_HELD, FULL_SCALE = 65535, 32767
 
 
 def family_of(codec: int, integer: bool) -> str:
@@ -56,21 +41,25 @@ def family_of(codec: int, integer: bool) -> str:
     return f"{family}_i" if integer and family == "tables" else family
 
 
-def stem_of(blob: Map) -> str:
+def stem_of(blob: Blob) -> str:
     """Return what the names of the functions begin with that read a map."""
     return f"smap_{family_of(blob.codec, blob.integer)}_host_"
 
 
+def in_units(reading: NDArray[Any], steps: Mapping[str, float]) -> Floats:
+    """Return what smap_read_i says (m, 3) in rad and in length; NaN where it holds nothing."""
+    sdg, height = (
+        np.where(reading[:, at] == NOT_HELD, np.nan, reading[:, at] * steps.get(name, np.nan))
+        for at, name in ((0, "sdg"), (2, "height"))
+    )
+    sine = np.clip(reading[:, 1] / FULL_SCALE, -1.0, 1.0)
+    return np.stack([sdg, np.arcsin(sine), height], axis=1)
+
+
 class Host:
-    """A map that is asked as a microcontroller asks it.
+    """A map that is asked as a microcontroller asks it."""
 
-    Parameters
-    ----------
-    blob : Map
-        Of `protocol.describe`, for one.
-    """
-
-    def __init__(self, blob: Map) -> None:
+    def __init__(self, blob: Blob) -> None:
         self._blob = blob
         self._bytes = np.frombuffer(blob.bytes, np.uint8)
         self._stem = stem_of(blob)
@@ -107,16 +96,14 @@ class Host:
         downs = np.ascontiguousarray(gravity, np.int16 if integer else np.float32)
         status = np.empty(len(downs), np.int8)
         reading = np.empty(len(downs), READING_I if integer else READING)
-        function = self._function("at_i" if integer else "at")
-        function.restype = ctypes.c_int8
-        made = self._call(function, len(downs), (row, downs, status, reading))
+        made = self._call("at_i" if integer else "at", len(downs), row, downs, status, reading)
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.uint8]:
         """Return the most of each that poses of postures (m, k) have; see smap_host_region.h."""
         rows = np.ascontiguousarray(params, np.float32)
         most = np.zeros(5, np.uint8)
-        self._call(self._function("room"), len(rows), (rows, most))
+        self._call("room", len(rows), rows, most)
         return most
 
     def positions(self, params: ArrayLike) -> NDArray[np.float32]:
@@ -126,15 +113,12 @@ class Host:
         """
         rows = np.ascontiguousarray(params, np.float32)
         found = np.empty((len(rows), int(self._bytes[CONTACTS]), 3), np.float32)
-        self._call(self._function("positions"), len(rows), (rows, found))
+        self._call("positions", len(rows), rows, found)
         return found
 
     def check(self) -> int:
         """Return the status of smap_check."""
-        function = self._function("check")
-        function.restype = ctypes.c_int8
-        address = ctypes.c_void_p(self._bytes.ctypes.data)
-        return int(function(address, ctypes.c_uint32(len(self._bytes))))
+        return call(f"{self._stem}check", self._bytes, ctypes.c_uint32(len(self._bytes)))
 
     def ask(
         self, what: str, params: ArrayLike, gravity: ArrayLike
@@ -150,11 +134,10 @@ class Host:
             )
         status = np.empty(len(rows), np.int8)
         reading = np.empty(len(rows), READING_I if what == "read_i" else READING)
-        function = self._function(what)
 
         def some(begin: int, end: int) -> None:
-            part = [array[begin:end] for array in (rows, downs, status, reading)]
-            self._call(function, end - begin, part)
+            part = (array[begin:end] for array in (rows, downs, status, reading))
+            self._call(what, end - begin, *part)
 
         pieces = max(1, min(os.cpu_count() or 1, len(rows) // PIECE))
         cuts = [len(rows) * piece // pieces for piece in range(pieces + 1)]
@@ -165,18 +148,7 @@ class Host:
                 list(pool.map(some, cuts[:-1], cuts[1:]))
         return status, reading
 
-    def _function(self, what: str) -> Any:
-        """Return a function of the library."""
-        return getattr(load_library(), self._stem + what)
-
-    def _call(self, function: Any, count: int, arrays: Any) -> int:
+    def _call(self, what: str, count: int, *arrays: NDArray[Any]) -> int:
         """Call a function of the library with the blob, a count, and arrays."""
-        return int(
-            function(
-                ctypes.c_void_p(self._bytes.ctypes.data),
-                ctypes.c_uint32(len(self._bytes)),
-                ctypes.c_int64(count),
-                *(ctypes.c_void_p(array.ctypes.data) for array in arrays),
-            )
-            or 0
-        )
+        size = ctypes.c_uint32(len(self._bytes))
+        return call(self._stem + what, self._bytes, size, ctypes.c_int64(count), *arrays)

@@ -7,22 +7,3 @@ from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
 from firmware_export.protocol.codec import Codec, Export, Tables
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy
-
-__all__ = [
-    "CONTROL_VERSION",
-    "CTYPES",
-    "VERSION",
-    "Blob",
-    "CArray",
-    "CBody",
-    "Codec",
-    "Export",
-    "Joint",
-    "Policy",
-    "Tables",
-    "describe",
-    "literal",
-    "restored",
-    "stored",
-    "turns",
-]

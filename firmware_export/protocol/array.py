@@ -22,20 +22,10 @@ CTYPES: dict[str, type[np.generic]] = {
 
 @dataclass(frozen=True, eq=False)
 class CArray:
-    """Numbers of one type that follow each other in the blob.
+    """Numbers of one type, a key of `CTYPES`, that follow each other in the blob, in C order.
 
-    Parameters
-    ----------
-    name : str
-        Short identifier such as ``weights``.
-    ctype : str
-        Element type, a key of `CTYPES`.
-    values : array_like
-        Any shape, C order; integers must fit the type.
-    comment : str
-        What it holds, its axes and its unit, one line.
-    table : bool
-        Whether it is a table of the robot's own numbers, and no part of the descriptor.
+    `comment` says in one line what they are, their axes and their unit; `table` whether they are
+    the robot's own, and no part of the descriptor.
     """
 
     name: str
@@ -45,19 +35,14 @@ class CArray:
     table: bool = True
 
     def __post_init__(self) -> None:
-        want = CTYPES[self.ctype]
         found = np.asarray(self.values)
-        exact = found.size == 0 or (
-            np.issubdtype(found.dtype, np.number)
-            and bool(np.all(np.isfinite(found)))
-            and (self.ctype == "float" or bool(np.all(found.astype(want) == found)))
-        )
-        if not exact:
+        held = found.astype(CTYPES[self.ctype])
+        if not (np.isfinite(found).all() and (self.ctype == "float" or (held == found).all())):
             raise InputError(
                 f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
                 "quantise them first."
             )
-        object.__setattr__(self, "values", found.astype(want))
+        object.__setattr__(self, "values", held)
 
     @property
     def numbers(self) -> NDArray[Any]:
@@ -79,27 +64,21 @@ class CArray:
 class CBody:
     """A codec's part of a blob, and what reads it.
 
-    Parameters
+    Attributes
     ----------
-    codec : int
-        Its number in runtime/smap_map.h.
+    codec, contacts : int
+        Its number in runtime/smap_map.h; contacts where the runtime asks for their number.
     arrays : tuple of CArray
         Without gaps, in the order in which the runtime's file for the codec describes them.
-    contacts : int
-        Contacts of the robot where the runtime asks for their number.
     macros : tuple of (str, int)
         How many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
     pose : (int, int)
         Words of 32 bits of a pose beside the map's address: with both forms, and with integers
-        alone.
-    step : float
-        Length of one step of the integer form.
+        alone.  `swept`: of one for a box of postures, as on-board control makes it.
+    step, lengths : float, tuple of (str, float)
+        Length of a step of the integer form; that of ``"sdg"`` and of ``"height"`` where different.
     rounded : int
         By how many 1/32767 the integer form may read a sine too high.
-    lengths : tuple of (str, float), optional
-        The step of ``"sdg"`` and of ``"height"`` where they are not `step`.
-    swept : int
-        Words of a pose that holds for a box of postures, as on-board control makes it.
     """
 
     codec: int
@@ -126,13 +105,7 @@ class CBody:
 
 
 def literal(value: float | np.generic, ctype: str) -> str:
-    """Return a constant of a type as C writes it.
-
-    Examples
-    --------
-    >>> literal(0.1, "float"), literal(3, "float"), literal(-7, "int8_t")
-    ('0.1f', '3.0f', '-7')
-    """
+    """Return a constant of a type as C writes it, such as ``0.1f``."""
     if ctype == "float":
         # NumPy prints the shortest decimal that reads back as the same single.
         return f"{np.float32(value)!s}f"

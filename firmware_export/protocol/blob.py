@@ -28,18 +28,10 @@ CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
 
 @dataclass(frozen=True, eq=False)
 class Blob:
-    """A map as bytes.
+    """A map as bytes, CRC-32 first.
 
-    Parameters
-    ----------
-    bytes : bytes
-        CRC-32 first.
-    sections : tuple of (int, str)
-        Where each part begins, and what it is: comments for people.
-    codec, params : int
-        Number of the codec, number of parameters.
-    integer : bool
-        Whether the map is read without floats.
+    `sections` say where each part begins and what it is, for people; `codec` is the codec's number,
+    `params` the number of parameters, `integer` whether the map is read without floats.
     """
 
     bytes: bytes
@@ -142,13 +134,7 @@ def stored(blob: Blob) -> dict[str, Any]:
 
 
 def restored(held: Mapping[str, Any]) -> Blob:
-    """Return the blob that `stored` wrote.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        Where it did not write this.
-    """
+    """Return the blob that `stored` wrote; KeyError, TypeError or ValueError if it did not."""
     packed = base64.b64decode(held["blob"], validate=True)
     if zlib.crc32(packed[4:]).to_bytes(4, "little") != packed[:4]:
         raise ValueError("its CRC-32 is another")

@@ -16,17 +16,9 @@ from lutgen.vector import Floats
 class Tables(ABC):
     """What a codec has encoded.
 
-    Attributes
-    ----------
-    spec : object
-        The size that was asked for: hashable, and two that are equal give the same tables.  Its
-        `label` is a short text for tables and reports, such as ``grid i8 4x1 1x4 1x1``.
-    guard : float
-        Angle (rad) that is subtracted from tip_angle.
-    guard_text : str
-        How it was bounded, one sentence.
-    tested : bool
-        Whether a test on many points, and no bound, says that it is never falsely safe.
+    `spec` is the size, hashable, of which equal ones give the same tables; `guard` (rad) is
+    subtracted from tip_angle, and `guard_text` says in a sentence how it was bounded; `tested`
+    tables are never falsely safe by a test on many points, and no bound.
     """
 
     spec: Any
@@ -59,17 +51,13 @@ class Tables(ABC):
 class Codec(ABC):
     """A way to hold a robot.
 
-    Attributes
-    ----------
-    name : str
-        What people and reports call it.  Two codecs may share a name: then at most one of them
-        holds a given robot.
-    families : mapping of str to str
-        The family of the runtime for each arithmetic that the codec has.
+    Two codecs may share a `name`, by which people call them: then at most one of them holds a given
+    robot.  `families` are those of the runtime for each arithmetic, `spec` is the class of sizes.
     """
 
     name: str
     families: ClassVar[Mapping[str, str]]
+    spec: ClassVar[Any]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:
@@ -93,9 +81,9 @@ class Codec(ABC):
     def encode(self, model: Model, channels: tuple[str, ...], spec: Any) -> Any:
         """Return tables, fitted and quantised: the same for the same arguments."""
 
-    @abstractmethod
     def read_label(self, label: str) -> Any:
         """Return the size with a label."""
+        return self.spec.of_label(label)
 
     def export(
         self,
@@ -119,26 +107,10 @@ class Codec(ABC):
 class Export:
     """A map's tables, chosen and certified, before it becomes C.
 
-    Parameters
-    ----------
-    name : str
-        C identifier of the descriptor, and the stem of the files.
-    recipe : Recipe
-        The robot, its parameters and chart.
-    model : Model
-        The exact function that the tables stand for.
-    codec, arithmetic : str
-        ``"contacts"`` or ``"grid"``; ``"float"`` or ``"integer"``.
-    channels : tuple of str
-        Subset of `quantities.EXPORTABLE`, in that order.
-    tables : Tables
-        The codec's tables.
-    certificate : dict, optional
-        What was measured, see `certify.Certificate`; each key may be absent.
-    pareto : list of dict, optional
-        Candidates that the choice was made from, see `choose.front`.
-    policy : Policy, optional
-        What on-board control follows; None for an export that is only read.
+    `name` is the C identifier and the stem of the files, `model` the exact function that the tables
+    stand for, `channels` a part of `quantities.EXPORTABLE` in that order.  `certificate` is what
+    was measured, see `certify.Certificate` (each key may be absent), `pareto` the candidates of the
+    choice, see `choose.front`; `policy` is None for an export that is only read.
     """
 
     name: str

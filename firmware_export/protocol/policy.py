@@ -15,25 +15,12 @@ CONTROL_VERSION = 1
 class Joint(NamedTuple):
     """What the C knows of a parameter beside the map; rad or the recipe's length unit.
 
-    Attributes
-    ----------
-    low, code : float
-        Value of code 0, and of a step of codes.
-    rate : float
-        The most that it changes in a cycle.
-    delta : float
-        The range around what is desired.
-    near : float
-        A change that needs no new pose.
-    reach : float
-        Length by which one unit of it moves contacts that no other joint moves further, seen from
-        the com, beyond what it moves others, at most; of a grid how far (rad) it changes the tip
-        angle.
-    bend : float
-        Length by which one unit of it moves those others, at most; of three points the second
-        derivative of a tip angle (rad) by it.
-    lean : float
-        Angle (rad) by which one unit of it turns the body on a plane, at most.
+    `low` and `code` are the value of code 0 and of a step; `rate` is the most that it changes in a
+    cycle, `delta` the range around what is desired, `near` a change that needs no new pose.  One
+    unit of it moves contacts that no other joint moves further by at most `reach` (length, seen
+    from the com) beyond what it moves others, and those by at most `bend`; it turns the body on a
+    plane by at most `lean` (rad).  Of a grid `reach` is how far (rad) it changes the tip angle, of
+    three points `bend` the second derivative of a tip angle (rad).
     """
 
     low: float
@@ -50,24 +37,11 @@ class Joint(NamedTuple):
 class Policy:
     """The best posture for each slope, and how fast and how safely the robot goes there.
 
-    Parameters
-    ----------
-    codes : (n, n, k) uint8
-        The table over u = x / -z and v = y / -z of gravity in the ground's frame, u first.
-    limit : float
-        Largest |u| and |v| of it.
-    joints : tuple of Joint
-        One for each parameter.
-    cycle, latency : float
-        s.
-    margin : float
-        Tip angle (rad) that every way is to keep, where the robot has it.
-    levels : (float, float, float)
-        Tip angles (rad) below which the alarm has level 1, 2, 3.
-    swerve : float
-        By how much (rad) `up` may turn in a cycle beyond what the gyroscope says.
-    poses : int
-        Poses that a cycle may make of many contacts, 1 or 2.
+    `codes` (n, n, k) are the table over u = x / -z and v = y / -z of gravity in the ground's frame,
+    u first, up to `limit`.  The robot keeps a tip angle of `margin` (rad) on every way where it has
+    it; below `levels` (rad) the alarm has level 1, 2, 3.  By `swerve` (rad) `up` may turn in a
+    cycle beyond what the gyroscope says; `poses` are those that a cycle may make of many contacts,
+    1 or 2.
     """
 
     codes: NDArray[np.uint8]

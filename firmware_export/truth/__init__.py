@@ -3,6 +3,7 @@
 In reading order: `model`, `crossing`, `tip_boundary`, `sample`, `series`, `rest`.
 """
 
+from firmware_export.truth.crossing import cross_boundary, unit
 from firmware_export.truth.model import Exact, Model, combinations, slack, widened
 from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.sample import (
@@ -15,26 +16,4 @@ from firmware_export.truth.sample import (
     uniform_params,
 )
 from firmware_export.truth.series import chebyshev_nodes, chebyshev_transform, rounds
-from firmware_export.truth.tip_boundary import boundary, on_chart, unit
-
-__all__ = [
-    "Cells",
-    "Exact",
-    "Model",
-    "Sample",
-    "biased",
-    "boundary",
-    "chebyshev_nodes",
-    "chebyshev_transform",
-    "combinations",
-    "join",
-    "least_edge_of",
-    "on_chart",
-    "rounds",
-    "slack",
-    "uniform",
-    "uniform_directions",
-    "uniform_params",
-    "unit",
-    "widened",
-]
+from firmware_export.truth.tip_boundary import on_chart

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from firmware_export.truth.model import Model
 from lutgen.channels import (
     Setting,
     acceptance_of,
@@ -20,7 +21,6 @@ from lutgen.channels import (
 )
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import Postures, Recipe
 from lutgen.support import empty_region, stand
 from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
 
@@ -109,30 +109,26 @@ def cross_some(
 
 
 def cross_boundary(
-    recipe: Recipe, postures: Postures, inside: Floats, outside: Floats
+    model: Model, params: Floats, inside: Floats, outside: Floats
 ) -> tuple[Floats, Floats]:
-    """Find where great arcs leave the standing region.
+    """Find where great arcs of postures (m, k) leave the standing region.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    postures : Postures
-        Of m rows of its parameters, see `forward`.
-    inside, outside : (m, d, 3) float64
-        Unit vectors pointing down, the ends of the arcs: a direction under which the posture
-        stands and one under which it tips, not opposite.
-
-    Returns
-    -------
-    last, first : (m, d, 3) float64
-        Directions on the arc, unit, either side of the boundary: most are 1e-8 rad apart.
+    `inside` and `outside` (m, d, 3), down, are the ends of the arcs: a direction under which the
+    posture stands and one under which it tips, not opposite.  Returns directions on the arc, unit,
+    either side of the boundary: most are 1e-8 rad apart.
     """
+    recipe, postures = model.recipe, model.postures(params)
     primitives = primitives_of(recipe, postures)
     wrench = wrenches(recipe, postures) if recipe.loaded else None
     setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
-    low, high = inside.copy(), outside.copy()
+    low, high = unit(inside), unit(outside)
     arguments = (primitives, wrench, setting, low, high)
     # A posture with its arcs is worth a thread after a tenth of a millisecond of work.
     in_threads(cross_some, len(primitives), *arguments, least=32)
     return low, high
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return vectors (..., 3) with length 1; they must not be zero."""
+    length: Floats = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+    return np.asarray(vectors / length)

@@ -38,21 +38,9 @@ class Exact(NamedTuple):
 
 
 class Model:
-    """The robot of a recipe with its box and chart.
+    """The robot of a recipe with its box (rad or length) and chart.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        Its `upright` and `rock_angle` (rad) may be replaced by `tightened`.
-
-    Attributes
-    ----------
-    lower, upper : (k,) float64
-        Box of the parameters: rad or the recipe's length unit.
-    faces : int
-        1 (cone) or 6 (sphere).
-    chart_limit : float
-        Largest |u| and |v|: tan(max_tilt), or 1 for the sphere.
+    `chart_limit` is the largest |u| and |v|: tan(max_tilt), or 1 for the sphere of 6 faces.
     """
 
     def __init__(self, recipe: Recipe) -> None:
@@ -103,33 +91,14 @@ class Model:
         rows = measure_recipe(self.recipe, where, unit_directions(gravity), wanted)
         return rows[CHANNELS.index("tip_angle")]
 
-    def exact(
-        self,
-        params: ArrayLike,
-        gravity: ArrayLike,
-        tighter: float = 0.0,
-    ) -> Exact:
-        """Measure m postures under d directions each.
+    def exact(self, params: ArrayLike, gravity: ArrayLike, tighter: float = 0.0) -> Exact:
+        """Measure m postures (m, k), rad or length, under d directions each (m, d, 3), down.
 
-        Parameters
-        ----------
-        params : (m, k) array_like
-            rad or length.
-        gravity : (m, d, 3) array_like
-            Down, of any length > 0.
-        tighter : float
-            By how many rad `upright` and `rock_angle` are tightened.
-
-        Returns
-        -------
-        Exact
-            Three arrays (m, d).
+        `upright` and `rock_angle` are tightened by `tighter` (rad).
         """
-        where = self.postures(params)
-        directions = unit_directions(gravity)
         names = ("sdg", "height", "tip_angle")
-        wanted = wanted_channels(names)
-        values = measure_recipe(self.recipe, where, directions, wanted, tighter)
+        where, directions = self.postures(params), unit_directions(gravity)
+        values = measure_recipe(self.recipe, where, directions, wanted_channels(names), tighter)
         return Exact(*(values[CHANNELS.index(name)] for name in names))
 
 

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
-from firmware_export.truth.tip_boundary import beside_boundary, unit
+from firmware_export.truth.tip_boundary import beside_boundary
 from lutgen.vector import Floats
 
 # Directions per posture: exact evaluation costs by the posture where facets have to be searched.

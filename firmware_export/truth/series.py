@@ -31,10 +31,8 @@ AGREEMENT = 1e-10
 def expand(model: Model) -> tuple[Floats, ...] | None:
     """Return the series of the three contacts, or None where there are no such short series.
 
-    Returns
-    -------
-    tuple of three (n_1, ..., n_k, 3) float64, or None
-        In the order of `rounds`; n_j = 1 along an axis on which a contact does not depend.
+    In the order of `rounds`; their shape is (n_1, ..., n_k, 3), with n_j = 1 along an axis on which
+    a contact does not depend.
     """
     rng = np.random.default_rng(0)
     centre = np.full(model.k, 0.5)
@@ -146,13 +144,5 @@ def greatest(series: Floats) -> float:
 def steepest(series: Floats) -> Floats:
     """Return bounds (k,) of the lengths of the derivatives along each s: |T_n'| <= n^2."""
     sizes = np.linalg.norm(series, axis=-1)
-    return np.array(
-        [
-            np.tensordot(
-                np.arange(n, dtype=np.float64) ** 2,
-                sizes.sum(axis=tuple(i for i in range(sizes.ndim) if i != axis)),
-                1,
-            )
-            for axis, n in enumerate(sizes.shape)
-        ]
-    )
+    degrees = np.indices(sizes.shape, dtype=np.float64) ** 2
+    return np.array([(sizes * degree).sum() for degree in degrees])

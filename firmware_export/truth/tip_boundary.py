@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from firmware_export.truth.crossing import cross_boundary
+from firmware_export.truth.crossing import cross_boundary, unit
 from firmware_export.truth.model import Model
 from lutgen.vector import Bools, Floats
 
@@ -21,19 +21,6 @@ def on_chart(model: Model, gravity: Floats) -> Bools:
     reach = np.abs(gravity[..., :2]).max(axis=-1)
     rim = model.chart_limit * (1.0 + ROUNDING)
     return np.asarray((gravity[..., 2] < 0.0) & (reach <= -gravity[..., 2] * rim))
-
-
-def unit(vectors: Floats) -> Floats:
-    """Return vectors (..., 3) with length 1; they must not be zero."""
-    length: Floats = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
-    return np.asarray(vectors / length)
-
-
-def boundary(
-    model: Model, params: Floats, inside: Floats, outside: Floats
-) -> tuple[Floats, Floats]:
-    """Find where great arcs of postures (m, k) leave the standing region; see `cross_boundary`."""
-    return cross_boundary(model.recipe, model.postures(params), unit(inside), unit(outside))
 
 
 def _wider(
@@ -108,7 +95,7 @@ def beside_boundary(
     ins, outs, both = arcs(model, rng, params, gravity)
     inside, outside, given = (one[:, -part:] for one in (ins, outs, gravity))
     found = np.asarray(both[:, -part:, None])
-    ends = boundary(model, params, inside, np.where(found, outside, inside))
+    ends = cross_boundary(model, params, inside, np.where(found, outside, inside))
     along = outside - inside
     along -= (along * ends[0]).sum(axis=-1, keepdims=True) * ends[0]
     length = np.sqrt((along * along).sum(axis=-1, keepdims=True))

@@ -12,13 +12,13 @@ from lutgen.support import (
     SHOWN,
     Region,
     arc_between,
-    balances,
+    arrived,
     edge_after,
     ends_of,
     is_inner,
     is_same_rest,
     rests_at,
-    roll,
+    roll_over,
 )
 from lutgen.vector import Vector, between, cross, dot, length, read3, scale, subtract
 
@@ -94,10 +94,11 @@ def _over_held(region: Region, e: int, g: Vector) -> float:
     w = low + (high - low) * _lowest_place(between(start, stop, low), between(start, stop, high), g)
     pair = edge[e].primitive, edge[edge_after(region, e)].primitive
     normals = read3(region.seat[here].normal), read3(region.seat[there].normal)
-    path, first, second = arc_between(primitives, pair, normals)
-    last, sunk = roll(path, balances(first, second, w), g)
-    before, beyond = between(start, stop, w), _over_rest(region, there, edge[e].twin, last)
-    return max(segment_energy(before, before, g), beyond - sunk)
+    path, first, _ = arc_between(primitives, pair, normals)
+    roll = roll_over(path, first)
+    before = between(start, stop, w)
+    beyond = _over_rest(region, there, edge[e].twin, arrived(roll, g)) - dot(roll.sunk, g)
+    return max(segment_energy(before, before, g), beyond)
 
 
 @njit(bare=True)

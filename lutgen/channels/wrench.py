@@ -35,10 +35,11 @@ def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     names = recipe.contact_names
     for k, axle in enumerate(recipe.axles):
         i, j = (names.index(name) for name in axle.contacts)
-        share, com = postures.axle_shares[k], postures.axle_coms[:, k]
+        share, com = postures.axle_shares[:, k, None], postures.axle_coms[:, k]
         points = np.stack([postures.pivots[:, k], -share / (1.0 - share) * com], axis=1)
         lines = np.stack([postures.pivot_axes[:, k], np.zeros_like(com)], axis=1)
-        parts.append(pack(points, lines, [FIRST * i + j, 1.0 - share], AXLE))
+        numbers = np.hstack([np.full_like(share, FIRST * i + j), 1.0 - share])
+        parts.append(pack(points, lines, numbers, AXLE))
     return np.concatenate(parts, axis=1)
 
 

@@ -32,8 +32,6 @@ BOUNDLESS = 49.9
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen budget`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
         type=given.Numbers(*given.RANGE),
@@ -67,8 +65,7 @@ def budget(source: str, options: Options) -> None:
 
     Of a recipe exactly; of the folder of an export as its C says it (smap_budget), which is never
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
-    the speed at which a turn of --turn takes it.  Sliding is not included.  -p gives the posture;
-    where it is left out, the recipe's `home`, then the middle of the range.
+    the speed at which a turn of --turn takes it.  Sliding is not included.
 
     \b
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lutgen.cli import options as given
 from lutgen.cli.options import command, open_recipe, option, stored_values
 from lutgen.cli.output import VERDICTS, aligned, by_unit, show
-from lutgen.cli.path import PAPER, RunOptions, check_run, gravity_columns, open_terrain, save_run
+from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ WITHOUT, WITH = "without control", "with control"
 
 @dataclass(frozen=True)
 class Options(RunOptions):
-    """Options of `lutgen control`."""
-
     terrain: str = option(
         default=PAPER,
         metavar="paper|FILE.csv",
@@ -75,7 +73,7 @@ def control(source: str, options: Options) -> None:
     $ lutgen policy maps/paper_two.toml -o fw --cycle 1 --rate alpha=60 --rate gamma=60
     $ lutgen control fw --turn 30 -p alpha=30.96 -p gamma=30.96 --animate ride.gif
     """
-    from firmware_export.control import controlled, read_log, ride_along, ride_logged, uncontrolled
+    from firmware_export.control import controlled, ride_along, ride_logged, uncontrolled
 
     check_run(options)
     # Read before a policy is made, which takes its time.
@@ -84,7 +82,7 @@ def control(source: str, options: Options) -> None:
     if ground is not None:
         ride = ride_along(ground, steering.cycle, options.speed)
     else:
-        ride = ride_logged(*read_log(str(options.log), steering.recipe), steering)
+        ride = ride_logged(str(options.log), steering)
     plant = plant_for(steering, options)
     if ride.driven is not None and not options.assignments:
         start: Floats = ride.driven[0]
@@ -173,10 +171,10 @@ def columns_of(steering: "Steering", loop: "Loop") -> dict[str, Any]:
     drive, count = loop.drive, len(loop.moves)
     return {
         "time": (np.arange(count) * steering.cycle).tolist(),
-        **dict(zip("xyz", drive.path.position.T.tolist(), strict=True)),
+        **vector_columns("", drive.path.position),
         **by_unit(steering.recipe, drive.params),
         **by_unit(steering.recipe, drive.wanted, "_commanded"),
-        **gravity_columns(drive),
+        **vector_columns("gravity_", drive.gravity_body),
         "tip_angle_deg": np.degrees(drive.channels["tip_angle"]).tolist(),
         "move": [MOVES[move] for move in loop.moves],
         "alarm": loop.alarms.tolist(),

@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis, Posture
     from lutgen.mapping import StabilityMap
 
+FORCES = (
+    "normal_forces normal_forces_kind=forces_kind normal_forces_range=normal_ranges "
+    "heuristic_forces_eq12=heuristic_forces"
+)
 VALUES = {one.json: one.unit for one in QUANTITIES.values() if not one.words} | {"slope_deg": "rad"}
 
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen eval`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
     acceleration: tuple[float, float, float] | None = given.option(
         "-a",
         type=given.Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
-        help=(
-            "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
-            "gravity. Leave it out where gravity comes from an accelerometer, which reads "
-            "both."
-        ),
+        help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
+        "gravity. Leave it out where gravity comes from an accelerometer, which reads "
+        "both.",
     )
 
 
@@ -40,8 +40,7 @@ def eval_(source: str, options: Options) -> None:
     """Evaluate one point of SOURCE, a recipe, a map or an export.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.  Parameters without -p are at the recipe's `home`, then in the middle of their
-    range.  Exit code 3 where the robot tips over, or where that cannot be told.
+    runtime is asked.  Exit code 3 where the robot tips over, or where that cannot be told.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
@@ -89,10 +88,7 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
         report["least_stable_axis"] = axes[found.least_stable]
     report["axes"] = axes
     if found.normal_forces:
-        report["normal_forces"] = found.normal_forces
-        report["normal_forces_kind"] = found.forces_kind
-        report["normal_forces_range"] = found.normal_ranges
-        report["heuristic_forces_eq12"] = found.heuristic_forces
+        report |= output.entries(found, FORCES)
     if found.facet is not None:
         report["support"] = {
             "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
@@ -131,9 +127,7 @@ def axis_entry(found: "Diagnosis", index: int) -> dict[str, Any]:
     return {
         "index": index,
         "contacts": axis.names,
-        "tip_angle_deg": output.degrees(axis.tip_angle),
-        "margin": axis.margin,
-        "energy_margin": axis.energy_margin,
+        **output.entries(axis, "tip_angle_deg margin energy_margin"),
         # Under a load there is no such measure of the nominal weight alone.
         "force_angle_rad": None
         if found.com_uncertainty or len(found.forces)

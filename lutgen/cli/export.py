@@ -10,7 +10,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
-from lutgen.cli.output import aligned, show
+from lutgen.cli.output import aligned, entries, show
 from lutgen.quantities import EXPORTABLE
 
 
@@ -24,8 +24,6 @@ class FolderOptions(RecipeOptions):
 
 @dataclass(frozen=True)
 class ExportOptions(FolderOptions):
-    """Options of `lutgen export`."""
-
     force: bool = given.force()
     flash: str | None = option(
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
@@ -53,8 +51,6 @@ class ExportOptions(FolderOptions):
 
 @dataclass(frozen=True)
 class PolicyOptions(FolderOptions):
-    """Options of `lutgen policy`."""
-
     objective: str = option(
         default="tip_angle",
         help="tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
@@ -95,18 +91,10 @@ def export(source: str, options: ExportOptions) -> None:
     $ cd firmware && cc -std=c99 -I. paper_two.c examples/read.c && ./a.out
     """
     from firmware_export import export as run
-    from firmware_export.codecs import named
     from firmware_export.emit import check_directory
-    from firmware_export.quantity import parse_error, parse_size
 
-    # What is wrong with the command is said before anything is computed.
+    # What is wrong with the folder is said before the source is opened.
     check_directory(options.output, options.force)
-    named(options.codec)
-    if options.flash is not None:
-        parse_size(options.flash)
-    if options.max_error is not None:
-        parse_error(options.max_error)
-    channels = options.channels
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()
 
@@ -119,14 +107,8 @@ def export(source: str, options: ExportOptions) -> None:
         report = run(
             open_source(source, options.allow_python),
             options.output,
-            name=options.name,
-            flash=options.flash,
-            max_error=options.max_error,
-            channels=None if channels is None else [part.strip() for part in channels.split(",")],
-            codec=options.codec,
-            arithmetic=options.arithmetic,
             progress=progress,
-            force=options.force,
+            **entries(options, "name flash max_error channels codec arithmetic force"),
         )
     except KeyboardInterrupt:
         raise click.ClickException("interrupted; nothing is left behind") from None
@@ -138,28 +120,19 @@ def export(source: str, options: ExportOptions) -> None:
 
 def export_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    yield from aligned(export_entries(report))
-
-
-def export_entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return what a report says of an export: names and texts."""
     from firmware_export.emit import bytes_text, errors_of, share
 
-    yield "flash", bytes_text(report["bytes"])
+    yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
+    rows = [("flash", bytes_text(report["bytes"]))]
     for name, errors in errors_of(report).items():
-        text = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
-        yield name, text or "errors not measured"
-    unsafe = report["false_safe"]
-    yield (
-        "verdict",
-        f"guard {report['guard_deg']:.3g} deg, "
-        f"{share(report['false_tip'])} of the stable configurations reported unsafe, "
-        + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
-    )
-    for note in (report["certificate"] or {}).get("text", ()):
-        yield "note", note
-    yield "folder", report["directory"]
+        said = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
+        rows.append((name, said or "errors not measured"))
+    unsafe, guard = report["false_safe"], f"guard {report['guard_deg']:.3g} deg"
+    given_up = f"{share(report['false_tip'])} of the stable configurations reported unsafe"
+    tested = "not certified" if unsafe is None else f"{unsafe} points said to stand that tip"
+    rows.append(("verdict", f"{guard}, {given_up}, {tested}"))
+    rows += [("note", note) for note in (report["certificate"] or {}).get("text", ())]
+    yield from aligned([*rows, ("folder", report["directory"])])
 
 
 @command("source", PolicyOptions)
@@ -182,18 +155,13 @@ def policy(source: str, options: PolicyOptions) -> None:
     opened = open_source(source, options.allow_python)
     recipe = opened.recipe if isinstance(opened, StabilityMap) else opened
     wishes = Wishes(
-        objective=options.objective,
+        **entries(options, "objective nodes cycle latency convention poses"),
         within=math.radians(options.within),
-        nodes=options.nodes,
         slope=math.radians(options.slope),
+        margin=math.radians(options.margin),
         home=stored_values(recipe, options.home, "--home"),
         rate=stored_values(recipe, options.rate, "--rate"),
         delta=stored_values(recipe, options.delta, "--delta"),
-        cycle=options.cycle,
-        latency=options.latency,
-        margin=math.radians(options.margin),
-        convention=options.convention,
-        poses=options.poses,
     )
     report, found = run(
         opened, options.output, wishes, lambda text: log.info("%s", text), name=options.name
@@ -207,19 +175,13 @@ def policy_lines(report: dict[str, Any]) -> Iterator[str]:
     policy, loss = report["policy"], report["loss"]
     yield f"{report['name']}: {report['spec']}, steered by a table of {policy['table_bytes']} bytes"
     losses = f"{loss['mean']:.2g} deg mean, {loss['p95']:.2g} p95, {loss['largest']:.2g} largest"
-    yield from aligned(
-        [
-            ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
-            (
-                "steps",
-                f"{loss['step']:.3g} deg between nodes at most; the best alone jumps "
-                f"{loss['best_step']:.3g}",
-            ),
-            (
-                "tips over",
-                f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands",
-            ),
-            ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
-            ("folder", report["directory"]),
-        ]
-    )
+    steps = f"{loss['step']:.3g} deg between nodes at most; the best alone jumps"
+    tips = f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands"
+    rows = [
+        ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
+        ("steps", f"{steps} {loss['best_step']:.3g}"),
+        ("tips over", tips),
+        ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
+        ("folder", report["directory"]),
+    ]
+    yield from aligned(rows)

@@ -4,28 +4,13 @@ import errno
 import logging
 import os
 import traceback
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
 import click
 
 from lutgen._version import __version__
-from lutgen.cli.budget import budget
-from lutgen.cli.control import control
-from lutgen.cli.eval import eval_
-from lutgen.cli.export import export, policy
-from lutgen.cli.import_ import import_
-from lutgen.cli.limits import limits
-from lutgen.cli.metrics import metrics
-from lutgen.cli.optimum import optimum
-from lutgen.cli.pages import explore, paper
-from lutgen.cli.path import path
-from lutgen.cli.plot import plot
-from lutgen.cli.recipes import check, new, recipes, schema
-from lutgen.cli.stance import stance
-from lutgen.cli.sweep import info, sweep
-from lutgen.cli.weigh import weigh
-from lutgen.cli.wheels import wheels
 from lutgen.errors import (
     ExportError,
     InputError,
@@ -37,6 +22,11 @@ from lutgen.errors import (
 )
 
 FAILED, BAD_INPUT = 1, 2
+# The modules that have commands.
+COMMANDS = (
+    "budget control eval export import_ limits metrics optimum pages path plot recipes stance "
+    "sweep weigh wheels"
+)
 # What the system says of an output that takes no more: a name stands with all other files.
 NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 # What a fault of lutgen itself is called, and how much of its own words is quoted.
@@ -143,9 +133,7 @@ def main(verbose: int, quiet: bool) -> None:
     check_environment()
 
 
-for command in (
-    *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, weigh, optimum, plot, export, explore, policy, wheels, paper, path),
-    *(budget, control),
-):
-    main.add_command(command)
+for module in COMMANDS.split():
+    for found in vars(import_module(f"lutgen.cli.{module}")).values():
+        if isinstance(found, click.Command):
+            main.add_command(found)

@@ -13,8 +13,9 @@ from lutgen.errors import InputError, RecipeError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
-    from lutgen.propose import Imported, Standing
+    from lutgen.propose import Imported
     from lutgen.urdf.description import UrdfRobot
+    from lutgen.urdf.srdf import Standing
     from lutgen.vector import Floats
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
@@ -24,32 +25,24 @@ KEPT = "pass --merge to keep what was edited by hand, or --force to write over i
 
 @dataclass(frozen=True)
 class Options:
-    """Options of `lutgen import`."""
-
     output: str = given.output(required=True, help="Recipe to write (.toml).")
     name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
-    contacts: tuple[str, ...] = option(
+    contacts: tuple[str, ...] = given.repeated(
         "-c",
         "--contact",
-        multiple=True,
         metavar="LINK[=X,Y,Z[,R]]",
-        help=(
-            "A link whose collision shapes touch the ground, or a point or sphere on it (m); "
-            "repeat."
-        ),
+        help="A link whose collision shapes touch the ground, or a point or sphere on it (m); "
+        "repeat.",
     )
-    joints: tuple[str, ...] = option(
-        "-j", "--joint", multiple=True, help="A joint that becomes a parameter; repeat."
+    joints: tuple[str, ...] = given.repeated(
+        "-j", "--joint", help="A joint that becomes a parameter; repeat."
     )
-    couples: tuple[str, ...] = option(
+    couples: tuple[str, ...] = given.repeated(
         "--couple",
-        multiple=True,
         metavar="NAME=JOINT,...",
-        help=(
-            "A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
-            "a pattern ('*_hip') or of a group of the SRDF; or auto, a pattern or a group alone, "
-            "of which groups by name and symmetry are proposed; repeat."
-        ),
+        help="A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
+        "a pattern ('*_hip') or of a group of the SRDF; or auto, a pattern or a group alone, "
+        "of which groups by name and symmetry are proposed; repeat.",
     )
     xacro: bool = option(
         "-x", is_flag=True, help="Expand xacro: evaluates the file, reads its includes."
@@ -62,11 +55,10 @@ class Options:
         help="Keep the recipe that is there: only masses and places of its links become new.",
     )
     force: bool = given.force(help="Write over a recipe that is there, and what was edited in it.")
-    assignments: tuple[tuple[str, float], ...] = option(
+    assignments: tuple[tuple[str, float], ...] = given.repeated(
         "-p",
         "--parameter",
         type=given.Numbers("JOINT=VALUE", "joint and value", "for example knee=-60"),
-        multiple=True,
         help="Where a joint stands, in deg or m, before what an SRDF says; repeat.",
     )
     posture: str | None = option(
@@ -75,14 +67,13 @@ class Options:
     srdf: str | None = option(
         type=given.Named(), help="SRDF file with postures; by default one beside the description."
     )
-    packages: tuple[str, ...] = option(
+    packages: tuple[str, ...] = given.repeated(
         "--package",
-        multiple=True,
         metavar="NAME=DIR",
         help="The folder of a ROS package with meshes, or that a .xacro file includes; repeat.",
     )
-    arguments: tuple[str, ...] = option(
-        "--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
+    arguments: tuple[str, ...] = given.repeated(
+        "--arg", metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
     )
     as_json: bool = given.as_json()
 
@@ -105,11 +96,11 @@ def import_(urdf: str, options: Options) -> None:
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import check_target, write_text
-    from lutgen.propose import Coupling, import_urdf, standing_posture
+    from lutgen.propose import Coupling, import_urdf
     from lutgen.recipe import merged_recipe, read_text
     from lutgen.urdf.meshes import Meshes
     from lutgen.urdf.sources import Sources
-    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside
+    from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside, standing_posture
 
     if not options.output.endswith(".toml"):
         got = options.output

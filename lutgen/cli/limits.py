@@ -21,8 +21,6 @@ FIRST = {None: "-", True: "slides first", False: "tips first"}
 
 @dataclass(frozen=True)
 class Options(RecipeOptions, FigureOptions):
-    """Options of `lutgen limits`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
     best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
@@ -43,8 +41,7 @@ def limits(recipe: str, options: Options) -> None:
     heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
     slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
     heading, also between those listed (of the ground: where it has not been steeper before), and
-    all limits are rounded down.  -p gives the posture; where it is left out, the recipe's `home`,
-    then the middle of the range.  Exit code 3 where it tips over on level ground.
+    all limits are rounded down.  Exit code 3 where it tips over on level ground.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
@@ -99,8 +96,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
     around = [ground.worst if math.isnan(row.heading) else row.heading for row in found.headings]
     slopes = ground.limits(np.nan_to_num(around))
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
+        **output.entries(recipe, "robot=name length_unit"),
         "convention": found.convention,
         "posture": output.by_unit(recipe, found.params),
         "friction": mu,
@@ -110,8 +106,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
                 "name": row.name,
                 "heading_deg": output.degrees(row.heading),
                 "tilt_deg": down(row.tilt),
-                "contacts": row.contacts,
-                "slides_first": row.slides,
+                **output.entries(row, "contacts slides_first=slides"),
                 "ground_tilt_deg": down(slope),
                 "ground_contacts": ground.contacts(heading),
             }
@@ -187,11 +182,8 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"body tilt: of the robot, as it senses it, from where {start[report['convention']]}"
     yield "ground tilt: slope of the ground, the robot seated on it anew at each tilt"
     rubs = report["friction"] is not None
-    rows = [
-        ["heading", "body tilt", "ground tilt", "turns over", "friction"],
-        *heading_rows(report),
-    ]
-    yield from output.aligned(row if rubs else row[:-1] for row in rows)
+    head = ["heading", "body tilt", "ground tilt", "turns over", "friction"]
+    yield from output.aligned(row if rubs else row[:-1] for row in (head, *heading_rows(report)))
     yield from guaranteed_lines(report)
     if rubs:
         yield (
@@ -202,19 +194,11 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         yield from all_lines(report["all_postures"])
     if "best_postures" in report:
         yield ""
-        yield from output.aligned(
-            [
-                ["heading", "body tilt", "best posture"],
-                *(
-                    [
-                        f"{row['heading_deg']:.1f} deg",
-                        angle_text(row["tilt_deg"]),
-                        output.posture_text(row["posture"]),
-                    ]
-                    for row in report["best_postures"]
-                ),
-            ]
-        )
+        rows = [["heading", "body tilt", "best posture"]]
+        for row in report["best_postures"]:
+            posture = output.posture_text(row["posture"])
+            rows.append([f"{row['heading_deg']:.1f} deg", angle_text(row["tilt_deg"]), posture])
+        yield from output.aligned(rows)
 
 
 def heading_rows(report: dict[str, Any]) -> Iterator[list[str]]:

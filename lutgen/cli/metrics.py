@@ -13,13 +13,11 @@ from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from lutgen.analysis import Metrics, Posture
+    from lutgen.analysis import Posture
 
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen metrics`."""
-
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     tilt: float = given.tilt()
     headings: int = option(
@@ -33,9 +31,8 @@ class Options(RecipeOptions):
 def metrics(recipe: str, options: Options) -> None:
     """Compare five metrics of stability over all headings.
 
-    They are |SD_g|, tip-over angle, static and energy margin, and force-angle.  Parameters without
-    -p are at the recipe's `home`, then in the middle of their range.  The force-angle measure is
-    that of a weight of 1.  Only the tip-over angle's sign is a verdict.
+    They are |SD_g|, tip-over angle, static and energy margin, and force-angle, that of a weight of
+    1.  Only the tip-over angle's sign is a verdict.
 
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
@@ -67,28 +64,23 @@ def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, 
         both = zip(holds(posture, down).tolist(), may_hold(posture, down).tolist(), strict=True)
         held = [{"holds": one, "may_hold": other} for one, other in both]
     return {
-        "robot": posture.recipe.name,
-        "length_unit": posture.recipe.length_unit,
+        **output.entries(posture.recipe, "robot=name length_unit"),
         "tilt_deg": tilt,
         "level": {
             "status": QUANTITIES["status"].word(found.level_status),
             **output.channel_entries(found.level),
         },
         "headings": [
-            {**heading_entry(found, i, heading), **held[i]}
+            {
+                "heading_deg": heading,
+                "standing": found.standing[i],
+                "status": QUANTITIES["status"].word(found.status[i]),
+                **output.channel_entries({name: row[i] for name, row in found.values.items()}),
+                "normalised": {name: row[i] for name, row in found.normalised.items()},
+                **held[i],
+            }
             for i, heading in enumerate(around.tolist())
         ],
-    }
-
-
-def heading_entry(found: "Metrics", index: int, heading: float) -> dict[str, Any]:
-    """Return what a report says of one heading."""
-    return {
-        "heading_deg": heading,
-        "standing": found.standing[index],
-        "status": QUANTITIES["status"].word(found.status[index]),
-        **output.channel_entries({name: values[index] for name, values in found.values.items()}),
-        "normalised": {name: values[index] for name, values in found.normalised.items()},
     }
 
 
@@ -106,13 +98,8 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in (report["level"], *report["headings"]):
         heading = f"{entry['heading_deg']:g}" if "heading_deg" in entry else "level"
-        rows.append(
-            [
-                heading,
-                output.VERDICTS[entry["status"]],
-                *(output.cell(entry[key]) for key in columns),
-            ]
-        )
+        cells = [output.cell(entry[key]) for key in columns]
+        rows.append([heading, output.VERDICTS[entry["status"]], *cells])
         if rolling:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
             rows[-1].append(held)

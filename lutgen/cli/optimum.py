@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
-from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, show, unit_text
+from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen optimum`."""
-
     gravity: tuple[float, float, float] = given.gravity()
     method: str = given.method(
         help=(
@@ -40,9 +38,8 @@ class Options(RecipeOptions):
             "repeatable."
         )
     )
-    bounds: tuple[tuple[str, float, float], ...] = option(
+    bounds: tuple[tuple[str, float, float], ...] = given.repeated(
         type=given.Numbers(*given.RANGE),
-        multiple=True,
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
     start: tuple[tuple[str, float], ...] = given.values(
@@ -50,10 +47,8 @@ class Options(RecipeOptions):
     )
     limit: float | None = option(
         type=float,
-        help=(
-            "Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
-            "ranges; by default all geometries that stand are acceptable."
-        ),
+        help="Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
+        "ranges; by default all geometries that stand are acceptable.",
     )
     levels: int = option(type=given.Number(int, 1), default=6, help="Steps of search.")
     ends: str = option(
@@ -88,13 +83,10 @@ def optimum(recipe: str, options: Options) -> None:
         options.gravity,
         options.method,
         options.objective,
-        convention=options.convention,
         bounds=box or None,
         start=start_of(robot, kept, box, options) if options.start else None,
         limit=options.limit if options.limit is None or one is None else one.stored(options.limit),
-        levels=options.levels,
-        ends=options.ends,
-        seed=options.seed,
+        **entries(options, "convention levels ends seed"),
     )
     if options.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")
@@ -173,12 +165,8 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Mapping[str, float])
     last = steps(robot, found)[-1]
     del last["evaluations"]
     return {
-        "robot": robot.name,
-        "length_unit": robot.length_unit,
-        "method": found.method,
-        "objective": found.objective,
-        "convention": found.convention,
-        "standing": found.standing,
+        **entries(robot, "robot=name length_unit"),
+        **entries(found, "method objective convention standing"),
         **entry("value", found.value, objective_unit(robot, found)),
         "evaluations": found.evaluations,
         "parameters": {

@@ -161,15 +161,16 @@ gravity = functools.partial(
     default="0,0,-1",
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
+repeated = functools.partial(option, multiple=True)
 parameters = functools.partial(
-    option,
+    repeated,
     "-p",
     "--parameter",
     type=Numbers(*VALUE),
-    multiple=True,
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
+    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  What is "
+    "left out is at the recipe's `home`, then in the middle of its range.",
 )
-values = functools.partial(option, type=Numbers(*VALUE), multiple=True)
+values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
     option,
     type=click.Choice(("map", "nelder-mead", "search", "multistart")),

@@ -1,7 +1,7 @@
 """What commands print: a report as JSON or in words, numbers for either, columns."""
 
 import json
-import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +9,8 @@ import click
 
 from lutgen.cli.options import Assignments, FigureOptions, posture_source
 from lutgen.errors import one_line
+from lutgen.files import plain
+from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -46,20 +48,23 @@ def silent(report: dict[str, Any]) -> Iterable[str]:
     return ()
 
 
-def plain(value: Any) -> Any:
-    """Return a value as JSON has it: arrays as lists, null where a number is not finite."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: plain(part) for key, part in value.items()}
-    return [plain(part) for part in value] if isinstance(value, list | tuple) else value
+def degrees(value: Any) -> Any:
+    """Return angles (rad) in deg."""
+    return None if value is None else to_display(value, "deg")
 
 
-def degrees(value: float | None) -> float | None:
-    """Return an angle (rad) in deg."""
-    return None if value is None else math.degrees(value)
+def entries(value: Any, names: str) -> dict[str, Any]:
+    """Return attributes of a value under their names, or under KEY where ``KEY=NAME`` is asked.
+
+    Of a key that ends in ``_deg`` or ``_deg_s`` the attribute is an angle (rad) without that.
+    """
+    found = {}
+    for name in names.split():
+        key, _, attribute = name.partition("=")
+        stem = re.sub("_deg(_s)?$", "", key)
+        one = getattr(value, attribute or stem)
+        found[key] = one if stem == key else degrees(one)
+    return found
 
 
 def channel_entries(values: Mapping[str, float]) -> dict[str, Any]:

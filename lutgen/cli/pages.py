@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
-from lutgen.cli.output import check_outputs, show, silent
+from lutgen.cli.output import check_outputs, entries, show, silent
 from lutgen.errors import InputError
 
 ENDINGS = (".html", ".htm")
@@ -13,16 +13,12 @@ ENDINGS = (".html", ".htm")
 
 @dataclass(frozen=True)
 class ExploreOptions(RecipeOptions):
-    """Options of `lutgen explore`."""
-
     output: str = given.output(required=True, help="The page, an HTML file.")
     force: bool = given.force()
 
 
 @dataclass(frozen=True)
 class PaperOptions:
-    """Options of `lutgen paper`."""
-
     output: str = option(
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )
@@ -62,8 +58,7 @@ def explore(source: str, options: ExploreOptions) -> None:
         answers = answers_of_recipe(recipe)
     write_text(options.output, page_text(recipe, answers), force=options.force)
     report = {
-        "robot": recipe.name,
-        "digest": recipe.digest,
+        **entries(recipe, "robot=name digest"),
         "source": source,
         "page": options.output,
         "bytes": Path(options.output).stat().st_size,

@@ -34,14 +34,11 @@ class RunOptions(RecipeOptions, FigureOptions):
 
 @dataclass(frozen=True)
 class Options(RunOptions):
-    """Options of `lutgen path`."""
-
     terrain: str = option(
         default=PAPER,
         metavar="paper|FILE.csv",
-        help=(
-            "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz."
-        ),
+        help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
+        "nx,ny,nz.",
     )
     points: int | None = option(type=int, help=f"Of the paper's path.  [default: {POINTS}]")
     turn: float = option(
@@ -70,9 +67,8 @@ class Options(RunOptions):
 def path(recipe: str, options: Options) -> None:
     """Drive RECIPE over rough ground and count where it tips over.
 
-    Once with a fixed shape, and once with control.  -p gives the geometry before control begins;
-    where it is left out, the recipe's `home`, then the middle of the range.  Exit code 3 where it
-    tips over at any point of the last run, which may do all that is allowed.
+    Once with a fixed shape, and once with control.  -p gives the geometry before control begins.
+    Exit code 3 where it tips over at any point of the last run, which may do all that is allowed.
 
     \b
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
@@ -129,10 +125,7 @@ def drives(robot: "Recipe", options: Options) -> "dict[str, Drive]":
             robot,
             ground,
             control=control,
-            lag=options.lag,
-            method=options.method,
-            objective=options.objective,
-            convention=options.convention,
+            **output.entries(options, "lag method objective convention"),
             params0=start,
             headings=headings,
             rates=rates if control else None,
@@ -169,12 +162,12 @@ def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
     """Return what `-o` writes: the columns of a run by name, each of p numbers."""
     import numpy as np
 
-    columns: dict[str, Any] = dict(zip("xyz", run.path.position.T.tolist(), strict=True))
+    columns: dict[str, Any] = vector_columns("", run.path.position)
     columns["heading_deg"] = np.degrees(run.heading).tolist()
     columns |= output.by_unit(recipe, run.params)
     if (run.wanted != run.params).any():
         columns |= output.by_unit(recipe, run.wanted, "_wanted")
-    columns |= gravity_columns(run)
+    columns |= vector_columns("gravity_", run.gravity_body)
     for name, values in run.channels.items():
         one = QUANTITIES[name]
         columns[one.json] = one.shown(values).tolist()
@@ -182,23 +175,17 @@ def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
     return columns
 
 
-def gravity_columns(run: "Drive") -> dict[str, list[float]]:
-    """Return the columns of gravity in the body."""
-    parts = run.gravity_body.T.tolist()
-    return {f"gravity_{axis}": part for axis, part in zip("xyz", parts, strict=True)}
+def vector_columns(name: str, vectors: "NDArray[Any]") -> dict[str, list[float]]:
+    """Return the columns of vectors (p, 3)."""
+    return {f"{name}{axis}": part for axis, part in zip("xyz", vectors.T.tolist(), strict=True)}
 
 
 def path_report(recipe: "Recipe", runs: "Mapping[str, Drive]", options: Options) -> dict[str, Any]:
     """Return what `--json` prints; null where a number is not finite."""
     ground = next(iter(runs.values())).path
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
-        "terrain": options.terrain,
-        "method": options.method,
-        "objective": options.objective,
-        "convention": options.convention,
-        "lag": options.lag,
+        **output.entries(recipe, "robot=name length_unit"),
+        **output.entries(options, "terrain method objective convention lag"),
         "points": len(ground.position),
         "length": ground.distance[-1],
         # What the path gives is the slope of the ground, or the attitude of the body on it.
@@ -219,9 +206,7 @@ def run_entry(recipe: "Recipe", name: str, run: "Drive") -> dict[str, Any]:
         "tips_at": np.flatnonzero(run.tips),
         "least_tip_angle_deg": math.degrees(angle.min()),
         "least_at": int(angle.argmin()),
-        "evaluations": run.evaluations,
-        "heading_deg": np.degrees(run.heading),
-        "turn_deg": np.degrees(run.turn),
+        **output.entries(run, "evaluations heading_deg turn_deg"),
         "params": output.by_unit(recipe, run.params),
         "wanted": output.by_unit(recipe, run.wanted),
         "body_tilt_deg": tilts(run.gravity_body),
@@ -247,12 +232,7 @@ def path_lines(report: dict[str, Any]) -> Iterator[str]:
     for run in report["runs"]:
         least = run["least_at"]
         at = ", ".join(f"{report['path'][axis][least]:.4g}" for axis in "xyz")
-        rows.append(
-            [
-                run["name"],
-                f"{output.VERDICTS['tips']} at {len(run['tips_at'])} points "
-                f"({100.0 * run['share']:.3g} %), least tip angle "
-                f"{run['least_tip_angle_deg']:.4g} deg at point {least} ({at})",
-            ]
-        )
+        tips = f"at {len(run['tips_at'])} points ({100.0 * run['share']:.3g} %)"
+        angle = f"least tip angle {run['least_tip_angle_deg']:.4g} deg at point {least} ({at})"
+        rows.append([run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"])
     yield from output.aligned(rows)

@@ -5,21 +5,9 @@ from pathlib import Path
 
 import click
 
-from lutgen.cli.options import (
-    FigureOptions,
-    Named,
-    RecipeOptions,
-    command,
-    convention,
-    gravity,
-    log,
-    named_values,
-    open_source,
-    option,
-    parameters,
-    posture_source,
-)
-from lutgen.cli.output import check_outputs, show, silent
+from lutgen.cli import options as given
+from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, open_source, option
+from lutgen.cli.output import check_outputs, entries, show, silent
 
 # Those of `lutgen.plot`, which takes a second to import.
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
@@ -27,22 +15,16 @@ KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 
 @dataclass(frozen=True)
 class Options(RecipeOptions, FigureOptions):
-    """Options of `lutgen plot`."""
-
-    output: str = option(
-        "-o", "--output", required=True, type=Named(), help="PNG, SVG or PDF file."
-    )
-    kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
-    assignments: tuple[tuple[str, float], ...] = parameters()
-    gravity: tuple[float, float, float] = gravity()
-    channel: str = option("--channel", default="tip_angle", help="Channel to draw.")
+    output: str = given.output("--output", required=True, help="PNG, SVG or PDF file.")
+    kind: str = option(required=True, type=click.Choice(KINDS), help="Which figure.")
+    assignments: tuple[tuple[str, float], ...] = given.parameters()
+    gravity: tuple[float, float, float] = given.gravity()
+    channel: str = option(default="tip_angle", help="Channel to draw.")
     axes: str | None = option(
-        "--axes",
-        help="Parameters along the axes, comma separated.  [default: the first one or two]",
+        help="Parameters along the axes, comma separated.  [default: the first one or two]"
     )
-    convention: str = convention()
+    convention: str = given.convention()
     scale: tuple[float, float] | None = option(
-        "--scale",
         nargs=2,
         type=float,
         help="What the colours span at least, in the unit shown, so that figures compare.",
@@ -63,9 +45,6 @@ def plot(source: str, options: Options) -> None:
 
     The channel is the tip-over angle unless --channel says sdg, height or another one.
 
-    What -p leaves out and no axis varies is at the recipe's `home`, then in the middle of its
-    range.
-
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
@@ -76,23 +55,19 @@ def plot(source: str, options: Options) -> None:
     opened = open_source(source, options.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
-    if origin := posture_source(recipe, options.assignments):
+    if origin := given.posture_source(recipe, options.assignments):
         log.info("parameters without a value: %s", origin)
     with on_sheet(options.size, options.style):
         figure = draw(
             options.kind,
             opened,
-            params=named_values(recipe, options.assignments),
-            gravity=options.gravity,
-            channel=options.channel,
+            params=given.named_values(recipe, options.assignments),
             axes=axes,
-            convention=options.convention,
-            scale=options.scale,
+            **entries(options, "gravity channel convention scale"),
         )
         save(figure, options.output, force=options.force)
     report = {
-        "robot": recipe.name,
-        "digest": recipe.digest,
+        **entries(recipe, "robot=name digest"),
         "source": source,
         "kind": options.kind,
         "figure": options.output,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import RecipeOptions, as_json, command, log, open_recipe, option, output
-from lutgen.cli.output import aligned, by_unit, file_size, posture_text, show, unit_text
+from lutgen.cli.output import aligned, by_unit, entries, file_size, posture_text, show, unit_text
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
@@ -27,15 +27,11 @@ SHOWN = 6
 
 @dataclass(frozen=True)
 class RecipesOptions:
-    """Options of `lutgen recipes`."""
-
     as_json: bool = as_json()
 
 
 @dataclass(frozen=True)
 class NewOptions:
-    """Options of `lutgen new`."""
-
     output: str | None = output(help="Recipe to write (.toml).")
     list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
     force: bool = option(is_flag=True, help="Write over a file that is there.")
@@ -89,9 +85,7 @@ def recipe_entry(name: str) -> dict[str, Any]:
     return {
         "name": recipe.name,
         "source": source,
-        "digest": recipe.digest,
-        "length_unit": recipe.length_unit,
-        "contacts": recipe.contact_names,
+        **entries(recipe, "digest length_unit contacts=contact_names"),
         "parameters": [p.name for p in recipe.parameters],
         "nodes": recipe.nodes,
         # The first sentence of the comment that it begins with.
@@ -192,10 +186,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
     _, com = postures(robot, home[None])
     value_bytes = sum(1 if QUANTITIES[name].words else 4 for name in robot.channels)
     return {
-        "name": robot.name,
-        "digest": robot.digest,
-        "length_unit": robot.length_unit,
-        "contacts": robot.contact_names,
+        **entries(robot, "name digest length_unit contacts=contact_names"),
         "kinds": Counter(contact.kind for contact in robot.contacts),
         "wheels": [wheel.contact for wheel in robot.wheels],
         "forces": [force.name for force in robot.forces],
@@ -207,9 +198,8 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
             p.name: axis_entry(p, axis)
             for p, axis in zip(robot.parameters, robot.grid.axes, strict=True)
         },
-        "chart": {"kind": robot.chart.kind, "shape": robot.chart.shape},
-        "channels": robot.channels,
-        "nodes": robot.nodes,
+        "chart": entries(robot.chart, "kind shape"),
+        **entries(robot, "channels nodes"),
         "file_bytes": robot.nodes * value_bytes,
         "seconds": round(expected_seconds(robot), 3),
         "snapped": robot.snapped,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from lutgen.cli import options as given
 from lutgen.cli.options import FigureOptions, command, option
-from lutgen.cli.output import TIPS, aligned, cell, save_figure, show, unit_text
+from lutgen.cli.output import TIPS, aligned, cell, entries, save_figure, show, unit_text
 
 if TYPE_CHECKING:
     from lutgen.analysis import Equilibrium, Footing
@@ -18,8 +18,6 @@ AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
 @dataclass(frozen=True)
 class Options(FigureOptions):
-    """Options of `lutgen stance`."""
-
     gravity: tuple[float, float, float] | None = option(
         "-g",
         type=given.Numbers(*given.DIRECTION, nonzero=True),
@@ -50,23 +48,13 @@ def stance(file: str, options: Options) -> None:
         footing = replace(footing, gravity_dir=np.array(options.gravity))
     found = footing.equilibrium()
     save_figure(lambda plot: plot.draw_footing(footing, found), options.output, options)
-    show(stance_report(footing, found), stance_lines, options.as_json, 0 if found.holds else TIPS)
-
-
-def stance_report(footing: "Footing", found: "Equilibrium") -> dict[str, Any]:
-    """Return what `--json` prints; lengths in the file's unit, forces as shares of the weight."""
-    return {
-        "title": footing.title,
-        "length_unit": footing.length_unit,
-        "gravity": footing.gravity_dir,
-        "com": footing.com,
-        "holds": found.holds,
-        "margin": found.margin,
-        "axes": found.axes,
-        "region": found.region,
-        "region_is_open": found.is_open,
+    # Lengths are in the file's unit, forces shares of the weight.
+    report = {
+        **entries(footing, "title length_unit gravity=gravity_dir com"),
+        **entries(found, "holds margin axes region region_is_open=is_open"),
         "feet": [*feet(footing, found)],
     }
+    show(report, stance_lines, options.as_json, 0 if found.holds else TIPS)
 
 
 def feet(footing: "Footing", found: "Equilibrium") -> Iterator[dict[str, Any]]:

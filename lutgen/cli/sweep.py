@@ -11,7 +11,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
-from lutgen.cli.output import cell, file_size, show, silent
+from lutgen.cli.output import cell, entries, file_size, show, silent
 from lutgen.cli.recipes import axis_entry, grid_lines
 from lutgen.quantities import QUANTITIES
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SweepOptions(RecipeOptions):
-    """Options of `lutgen sweep`."""
-
     output: str = given.output(required=True, help="The map file (HDF5).")
     force: bool = given.force(
         help="Replace what is there: unfinished work, or a file that lutgen did not make."
@@ -37,8 +35,6 @@ class SweepOptions(RecipeOptions):
 
 @dataclass(frozen=True)
 class InfoOptions:
-    """Options of `lutgen info`."""
-
     verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
     unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
     as_json: bool = given.as_json()
@@ -78,12 +74,8 @@ def sweep(recipe: str, options: SweepOptions) -> None:
             run(
                 robot,
                 options.output,
-                threads=options.threads,
-                resume=options.resume,
-                engine=options.engine,
                 progress=progress,
-                scheduler=options.scheduler,
-                force=options.force,
+                **entries(options, "threads resume engine scheduler force"),
             )
         except KeyboardInterrupt:
             begun = Path(f"{options.output}.part").exists()
@@ -97,11 +89,9 @@ def sweep(recipe: str, options: SweepOptions) -> None:
         click.echo(f"{options.output}: {file_size(size)} in {seconds:.2f} s", err=True)
     log.info("recipe digest %s", robot.digest)
     report = {
-        "robot": robot.name,
-        "digest": robot.digest,
+        **entries(robot, "robot=name digest"),
         "map": options.output,
-        "nodes": robot.nodes,
-        "channels": robot.channels,
+        **entries(robot, "nodes channels"),
         "bytes": size,
         "seconds": round(seconds, 3),
     }
@@ -143,13 +133,12 @@ def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
         "format": int(attributes["lutgen_format"]),
         "definition": int(attributes["lutgen_definition"]),
         "lutgen_version": str(attributes["lutgen_version"]),
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
+        **entries(recipe, "robot=name length_unit"),
         "axes": [
             {"name": axis.name, **axis_entry(parameter, axis)}
             for parameter, axis in zip(recipe.parameters, stability_map.axes, strict=True)
         ],
-        "chart": {"kind": recipe.chart.kind, "shape": recipe.chart.shape},
+        "chart": entries(recipe.chart, "kind shape"),
         "channels": [channel_entry(stability_map, name) for name in stability_map.channels],
         "share_that_tips": share_that_tips(stability_map),
         "recipe_sha256": str(attributes["recipe_sha256"]),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from lutgen.analysis.weighing import Advice, Reading, Tipping, Weighed, Weighing
+    from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing
     from lutgen.recipe import Recipe
 
 GROUND = ("slope_deg", "heading_deg")
@@ -24,8 +24,6 @@ SCALE = 0.005
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen weigh`."""
-
     scales: str | None = option(
         type=Named(),
         help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
@@ -58,7 +56,7 @@ def weigh(recipe: str, options: Options) -> None:
     """
     from lutgen.analysis.weighed_recipe import corrected, correction
     from lutgen.analysis.weighing import weigh as fit
-    from lutgen.files import check_target, write_text
+    from lutgen.files import write_text
 
     robot = open_recipe(recipe, options.allow_python)
     readings: list[Reading] = [*scale_readings(robot, options), *tilt_readings(robot, options)]
@@ -66,9 +64,7 @@ def weigh(recipe: str, options: Options) -> None:
         raise InputError("--scales, --tilt: neither is given (got no file); give one of them.")
     found = fit(robot, readings)
     if options.output is not None:
-        text = corrected(robot, found)
-        check_target(options.output, options.force, text.encode("utf-8"))
-        write_text(options.output, text, options.force)
+        write_text(options.output, corrected(robot, found), options.force)
     report = weigh_report(robot, readings, found) | {"keys": correction(robot, found)}
     output.show(report, weigh_lines, options.as_json)
 
@@ -76,31 +72,24 @@ def weigh(recipe: str, options: Options) -> None:
 def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     """Return the weighings of the file of scales."""
     from lutgen.analysis.weighing import Weighing
-    from lutgen.search import read_rows
+    from lutgen.search import check_columns, read_rows
 
     if options.scales is None:
         return []
-    parameters = [p.name for p in robot.parameters]
+    others = (*GROUND, *(p.name for p in robot.parameters))
 
     def check(source: str, names: list[str]) -> None:
-        for name in dict.fromkeys(names):
-            parts = [] if name in (*parameters, *GROUND) else name.split("+")
-            for part in parts:
-                if part not in robot.contact_names:
-                    raise InputError(
-                        f"{source}: line 1 names a column that is no contact, no parameter and not "
-                        f"{' or '.join(GROUND)} (got {name!r}); the contacts are "
-                        f"{', '.join(robot.contact_names)}."
-                    )
-        if len(set(names)) < len(names):
-            raise InputError(f"{source}: line 1 names a column twice (got {','.join(names)}).")
+        scales = [name for name in names if {*name.split("+")} <= {*robot.contact_names}]
+        known = dict.fromkeys((*robot.contact_names, *scales, *others))
+        check_columns(source, names, (), [*known])
+        if not scales:
+            raise InputError(
+                f"{source}: line 1 names no scale (got {','.join(names)}); name contacts: "
+                f"{', '.join(robot.contact_names)}."
+            )
 
     rows, _ = read_rows(options.scales, check, "there is no weighing", 1)
-    scales = [name for name in rows if name not in (*parameters, *GROUND)]
-    if not scales:
-        raise InputError(
-            f"{options.scales}: line 1 names no scale (got {','.join(rows)}); name contacts."
-        )
+    scales = [name for name in rows if name not in others]
     for name in scales:
         if (rows[name] < 0.0).any():
             raise InputError(
@@ -111,15 +100,11 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     accuracy = options.accuracy if options.accuracy is not None else SCALE * largest
     if not accuracy > 0.0:
         raise InputError(f"--accuracy: must be above 0 kg (got {accuracy:g}).")
-    return [
-        Weighing(
-            params,
-            {tuple(name.split("+")): float(rows[name][i]) for name in scales},
-            accuracy,
-            *ground,
-        )
-        for i, (params, ground) in enumerate(poses(robot, rows))
-    ]
+    readings = []
+    for i, (params, ground) in enumerate(poses(robot, rows)):
+        loads = {tuple(name.split("+")): float(rows[name][i]) for name in scales}
+        readings.append(Weighing(params, loads, accuracy, *ground))
+    return readings
 
 
 def tilt_readings(robot: "Recipe", options: Options) -> "list[Tipping]":
@@ -158,47 +143,33 @@ def poses(
 
 def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -> dict[str, Any]:
     """Return what `--json` prints; null where nothing is known."""
+    import numpy as np
+
     from lutgen.analysis.weighing import Weighing
 
     entries, rest = [], iter(found.residuals.tolist())
+    advice: dict[str, Any] | None = None
+    if found.advice is not None:
+        posture = output.by_unit(robot, np.array(found.advice.params))
+        known = output.entries(found.advice, "slope_deg heading_deg com_std")
+        advice = {"posture": posture, **known}
     for one in readings:
         if isinstance(one, Weighing):
             for group, load in one.loads.items():
                 entries.append({"scale": "+".join(group), "kg": load, "residual_kg": next(rest)})
         else:
-            entries.append(
-                {
-                    "heading_deg": math.degrees(one.heading),
-                    "slope_deg": math.degrees(one.slope),
-                    "residual_deg": math.degrees(next(rest)),
-                }
-            )
+            residual = {"residual_deg": math.degrees(next(rest))}
+            entries.append(output.entries(one, "heading_deg slope_deg") | residual)
     open_ = [axis for axis, std in zip("xyz", found.com_std, strict=True) if math.isinf(std)]
     return {
-        "robot": robot.name,
-        "length_unit": robot.length_unit,
+        **output.entries(robot, "robot=name length_unit"),
         "mass": found.mass if math.isfinite(found.mass_std) else None,
         "mass_std": found.mass_std,
         "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
-        "com_shift": found.com_shift,
-        "com_std": found.com_std,
+        **output.entries(found, "com_shift com_std"),
         "com_open": open_,
         "readings": entries,
-        "next": advice_entry(robot, found.advice),
-    }
-
-
-def advice_entry(robot: "Recipe", advice: "Advice | None") -> dict[str, Any] | None:
-    """Return what a report says of the weighing that would help most."""
-    import numpy as np
-
-    if advice is None:
-        return None
-    return {
-        "posture": output.by_unit(robot, np.array(advice.params)),
-        "slope_deg": math.degrees(advice.slope),
-        "heading_deg": math.degrees(advice.heading),
-        "com_std": advice.com_std,
+        "next": advice,
     }
 
 
@@ -227,22 +198,16 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     table = [["reading", "value", "residual"]]
     for one in report["readings"]:
         if "scale" in one:
-            table.append(
-                [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
-            )
+            row = [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
         else:
             at = f"tips, heading {one['heading_deg']:g} deg"
-            table.append(
-                [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
-            )
+            row = [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
+        table.append(row)
     yield from output.aligned(table)
     advice = report["next"]
     if advice is not None and advice["com_std"] is not None:
-        ground = (
-            "level"
-            if advice["slope_deg"] == 0.0
-            else (f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg")
-        )
+        ground = f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg"
+        ground = ground if advice["slope_deg"] else "level"
         yield (
             f"most would help: all scales at {output.posture_text(advice['posture'])}, {ground}: "
             f"com to {cell(advice['com_std'], '.2g', unit)}"

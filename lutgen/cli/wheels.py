@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    """Options of `lutgen wheels`."""
-
     velocity: tuple[float, float] = option(
         type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
@@ -32,7 +30,6 @@ class Options(RecipeOptions):
 def wheels(recipe: str, options: Options) -> None:
     """Print wheel speeds and steering angles of a motion.
 
-    -p gives the posture; where it is left out, the recipe's `home`, then the middle of the range.
     Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this
     motion without dragging a wheel sideways; the nearest motion that is possible is printed then.
 
@@ -56,36 +53,20 @@ def wheels(recipe: str, options: Options) -> None:
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
     """Return what `--json` prints; lengths in the recipe's unit, null where there is no value."""
-    found = motion.structure
+    structure = (
+        "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"
+    )
+    wheel = "contact touches speed_rad_s=speed steering_deg slip"
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
+        **output.entries(recipe, "robot=name length_unit"),
         "standing": motion.standing,
-        "structure": {
-            "category": found.category,
-            "dof": found.dof,
-            "steered": found.steered,
-            "degree_of_mobility": found.mobility,
-            "degree_of_steerability": found.steerability,
-        },
-        "velocity": motion.velocity,
-        "yaw_rate_deg_s": output.degrees(motion.yaw_rate),
-        "possible": motion.possible,
-        "slip": motion.slip,
+        "structure": output.entries(motion.structure, structure),
+        **output.entries(motion, "velocity yaw_rate_deg_s possible slip"),
         "nearest": {
             "velocity": motion.nearest_velocity,
             "yaw_rate_deg_s": output.degrees(motion.nearest_yaw_rate),
         },
-        "wheels": [
-            {
-                "contact": wheel.contact,
-                "touches": wheel.touches,
-                "speed_rad_s": wheel.speed,
-                "steering_deg": output.degrees(wheel.steering),
-                "slip": wheel.slip,
-            }
-            for wheel in motion.wheels
-        ],
+        "wheels": [output.entries(one, wheel) for one in motion.wheels],
     }
 
 

@@ -53,8 +53,7 @@ class Computer:
 def expected_seconds(recipe: Recipe) -> float:
     """Return how long the computing of a recipe's map takes here, from pieces spread over it.
 
-    One thread is timed, because two wait for each other on a busy machine, and the time is divided
-    by the threads.  Writing the file comes on top.
+    One thread is timed, because two wait for each other on a busy machine; the file comes on top.
     """
     threads: int = numba.get_num_threads()
     numba.set_num_threads(1)
@@ -80,8 +79,8 @@ def expected_seconds(recipe: Recipe) -> float:
 def require_standing(recipe: Recipe) -> None:
     """Refuse a recipe whose robot stands in none of its postures, in no direction of its chart.
 
-    Looks at 3 knots of every parameter (at most 729 postures) and 9 x 9 directions of each face,
-    and if the robot stands nowhere there, at every node up to `AT_MOST` readings.
+    3 knots of every parameter and 9 x 9 directions of each face are looked at, and if it stands
+    nowhere there, every node up to `AT_MOST` readings.
     """
     grid, chart = recipe.grid, recipe.chart
     coarse = [np.unique([0, axis.size // 2, axis.size - 1]) for axis in grid.axes[:6]]

@@ -110,7 +110,6 @@ def _as_sweep_error() -> Iterator[None]:
 
 
 def _require_workers(client: Any) -> int:
-    """Wait for workers and return how many there are; refuse those of another version."""
     client.wait_for_workers(1, timeout=PATIENCE)
     versions = client.run(_version)
     if others := set(versions.values()) - {_version()}:
@@ -122,7 +121,6 @@ def _require_workers(client: Any) -> int:
 
 
 def _version() -> tuple[str, str]:
-    """Return what has to be the same everywhere for the same bits."""
     return __version__, numba.__version__
 
 

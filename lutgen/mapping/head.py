@@ -44,7 +44,6 @@ class _Memory(io.BytesIO):
     end: int | None = None
 
     def write(self, data: Any) -> int:
-        """Write a buffer."""
         if self.end is not None and self.tell() >= self.end:
             return len(data)
         return super().write(data)
@@ -121,7 +120,6 @@ def _variable(
 def _scale(
     file: h5py.File, name: str, values: NDArray[Any], unit: str, long_name: str
 ) -> h5py.Dataset:
-    """Write a dimension scale."""
     scale = file.create_dataset(name, data=values)
     scale.make_scale(name)
     scale.attrs["units"] = unit
@@ -132,7 +130,6 @@ def _scale(
 def _channel(
     file: h5py.File, name: str, recipe: Recipe, layout: Plan, scales: list[h5py.Dataset]
 ) -> h5py.Dataset:
-    """Make the variable of a channel, without a place in the file yet."""
     quantity = QUANTITIES[name]
     late = h5py.h5d.ALLOC_TIME_LATE
     variable = _variable(file, name, quantity.stored_type, layout.shape, late)

@@ -7,9 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-# Lower knot (m,) and place inside the cell (m,) on an axis, as `Axis.locate` gives them; the lower
-# knot may be the last where the place is 0.
+# Lower knot (m,) and place inside the cell (m,), 0 to 1, on an axis; the lower knot may be the last
+# where the place is 0.
 Place = tuple[NDArray[np.intp], NDArray[np.float64]]
+
+
+def locate(knots: NDArray[np.float64], values: NDArray[np.float64]) -> Place:
+    """Return the cells of values (m,) and the places in them; what is beyond an end is at it."""
+    if len(knots) == 1:
+        return np.zeros(len(values), np.intp), np.zeros(len(values))
+    index = np.clip(np.searchsorted(knots, values, side="right") - 1, 0, len(knots) - 2)
+    low, high = knots[index], knots[index + 1]
+    return index, np.clip((values - low) / (high - low), 0.0, 1.0)
 
 
 def _corners(

@@ -7,7 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from lutgen.errors import LutgenError, MapFileError
+from lutgen.errors import LutgenError, MapFileError, reject
 from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import COMPLETE, DIGESTS, FORMAT, ROWS
 from lutgen.mapping.seal import DEFINITION, Storage, check_seal
@@ -19,20 +19,16 @@ from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityMap:
     """Open a map file.
 
+    MapFileError is raised if it is missing, held by another program, no lutgen map, damaged,
+    rewritten, incomplete, or of another format or definition of what stands.
+
     Parameters
     ----------
     path : path
         The file.
     unsealed : bool
-        Whether a file whose seal is missing or does not match is read, too: a map that another
-        program has rewritten or edited.  Its values may be wrong then, and a
-        file that was made to do harm may crash HDF5.
-
-    Raises
-    ------
-    MapFileError
-        If the file is missing, held by another program, no lutgen map, damaged, rewritten,
-        incomplete, or of another format or definition of what stands.
+        Whether a map that another program has rewritten or edited is read, too.  Its values may be
+        wrong then, and a file that was made to do harm may crash HDF5.
     """
     name, sealed = os.fspath(path), True
     try:
@@ -69,7 +65,6 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
 
 
 def _reason(error: Exception, path: Path) -> str:
-    """Return why a file cannot be opened, and what to do."""
     got = error.strerror if isinstance(error, OSError) and error.strerror else error
     if isinstance(error, FileNotFoundError):
         return "there is no such file; check the path"
@@ -83,7 +78,6 @@ def _reason(error: Exception, path: Path) -> str:
 
 
 def _require_ours(name: str, attributes: dict[str, Any]) -> None:
-    """Refuse HDF5 that is no complete map of this format and definition."""
     again = "make it again with `lutgen sweep`"
     for key, wanted, what, way_out in (
         ("lutgen_format", FORMAT, "is no lutgen map of this format", again),
@@ -99,14 +93,11 @@ def _require_ours(name: str, attributes: dict[str, Any]) -> None:
 
 
 def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
-    """Return the recipe in a map, without running code that it names."""
     text, urdf = str(attributes["recipe"]), attributes.get("urdf")
     own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
     if own != held:
-        raise MapFileError(
-            f"{name}: its recipe does not match its digest (got {own[:12]} instead of "
-            f"{held[:12]!r}); the file was edited: sweep it again"
-        )
+        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {held[:12]!r}"
+        reject(name, what, got, "the file was edited: sweep it again", MapFileError)
     try:
         return parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
     except LutgenError as error:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.errors import MapFileError, SweepError
+from lutgen.errors import MapFileError, SweepError, reject
 from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import lay_out
 from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, sealed
@@ -100,10 +100,8 @@ class PartFile:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise SweepError(
-                f"{self.path}: another sweep is writing this file (got a lock that is held); "
-                "wait for it, or choose another output"
-            ) from None
+            what, got = "another sweep is writing this file", "a lock that is held"
+            reject(self.path, what, got, "wait for it, or choose another output", SweepError)
         except OSError as error:
             if error.errno not in NO_LOCKS:
                 raise
@@ -133,7 +131,6 @@ class PartFile:
         sync_folder(self.path.parent)
 
     def _require_space(self) -> None:
-        """Refuse to begin where the disk has not the room for the whole file."""
         free = shutil.disk_usage(self.path.parent).free
         need = self.head.size - getattr(os.fstat(self._handle), "st_blocks", 0) * 512
         if need > free:
@@ -144,10 +141,14 @@ class PartFile:
             )
 
     def _require_same(self) -> None:
-        """Refuse to go on with a file that was laid out for something else."""
         found, recipe = self._read_head(), self.head.storage.recipe
-        if self._without_state(found) == self._without_state(self.head.data):
-            return
+        start = self.head.data.index(BLANK.encode())
+        # How far the sweep is may differ: the digests, the seal, and whether it is complete.
+        for ours in map(bytearray, (self.head.data, self._whole)):
+            for state in (self.head.digests, slice(start, start + len(BLANK))):
+                ours[state] = found[state]
+            if ours == found:
+                return
         if not found.startswith(SIGNATURE):
             what = "a file that is not HDF5"
         elif b"recipe_sha256" in found and recipe.digest.encode() not in found:
@@ -158,15 +159,6 @@ class PartFile:
             f"{self.path}: cannot be resumed (got {what}); resume with what it was begun with, or "
             "remove it and sweep without --resume"
         )
-
-    def _without_state(self, head: bytes) -> bytes:
-        """Return a head without the bytes that say how far the sweep is."""
-        ours, data = self.head.data, np.frombuffer(head, np.uint8).copy()
-        data[np.frombuffer(self._whole, np.uint8) != np.frombuffer(ours, np.uint8)] = 0
-        data[self.head.digests] = 0
-        start = ours.index(BLANK.encode())
-        data[start : start + len(BLANK)] = 0
-        return data.tobytes()
 
     def _read_head(self) -> bytes:
         return read_at(self._handle, len(self.head.data), 0).ljust(len(self.head.data), b"\0")

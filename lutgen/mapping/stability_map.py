@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.chart import Chart
-from lutgen.errors import InputError, MapFileError
+from lutgen.errors import InputError, MapFileError, optional, reject
 from lutgen.grid import Axis
-from lutgen.mapping.interpolate import Place, interpolate, worst
+from lutgen.mapping.interpolate import Place, interpolate, locate, worst
 from lutgen.mapping.seal import Storage, check_seal
 from lutgen.quantities import QUANTITIES
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, within_limits
 
 if TYPE_CHECKING:
     import xarray
@@ -102,12 +102,8 @@ class StabilityMap:
     def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
         """Read a channel block by block, for maps that are larger than the memory.
 
-        Yields
-        ------
-        row : int
-            Number of the first row: posture * (faces * nodes) + face * nodes + v.
-        values : (rows, nodes) float32, or uint8 of `status`
-            The rows of the block, along u.
+        Yields the number of a first row, posture * (faces * nodes) + face * nodes + v, and the
+        block's values (rows, nodes) from there on.
         """
         index = self._index(name)
         kind, width = np.dtype(QUANTITIES[name].stored_type), self.chart.nodes
@@ -133,13 +129,10 @@ class StabilityMap:
         except (OSError, KeyError, RuntimeError) as error:
             if isinstance(error, MapFileError):
                 raise
-            raise MapFileError(
-                f"{self.path}: channel {name} cannot be read (got {error}); the file is damaged: "
-                "copy it or sweep it again"
-            ) from error
+            way_out = "the file is damaged: copy it or sweep it again"
+            reject(self.path, f"channel {name} cannot be read", error, way_out, MapFileError)
 
     def _index(self, name: str) -> int:
-        """Return the place of a channel among those of the map; InputError if it has none."""
         if name in self.channels:
             return self.channels.index(name)
         raise InputError(
@@ -167,16 +160,12 @@ class StabilityMap:
         dict of str to (m,) float64
             NaN off the chart.  Beside the tip-over boundary `sdg` and `height` are means over
             those corners that stand; they are NaN where the interpolated `tip_angle` is negative
-            or, in a map without it, where less than half of the weight stands.
-
-        Raises
-        ------
-        InputError
-            For wrong shapes, numbers that are not finite, parameters outside their axes and
-            channels that the map has not.
+            or, in a map without it, where less than half of the weight stands.  InputError is
+            raised for what is not as above.
         """
         names = tuple(channels) if channels is not None else self.channels
-        points = self._checked(params)
+        ends = [(float(axis.knots[0]), float(axis.knots[-1])) for axis in self.axes]
+        points = within_limits(self.recipe, np.atleast_2d(np.asarray(params, np.float64)), ends)
         face, u, v, inside = self.chart.locate(np.atleast_2d(np.asarray(gravity_dir, np.float64)))
         if 1 not in (len(points), len(face)) and len(points) != len(face):
             raise InputError(
@@ -185,11 +174,11 @@ class StabilityMap:
             )
         count = max(len(points), len(face)) if len(points) and len(face) else 0
         columns = [*points.T, *np.where(inside, (v, u), 0.0)]
-        side = Axis("u", "1", self.chart.coords)
-        places: list[Place] = []
-        for axis, column in zip((*self.axes, side, side), columns, strict=True):
-            index, frac, _ = axis.locate(np.broadcast_to(column, count))
-            places.append((index, frac))
+        knots = [*(axis.knots for axis in self.axes), *[self.chart.coords] * 2]
+        places = [
+            locate(some, np.broadcast_to(column, count))
+            for some, column in zip(knots, columns, strict=True)
+        ]
         face, inside = np.broadcast_to(face, count), np.broadcast_to(inside, count)
         result = {name: self._interpolated(name, places, face, inside) for name in names}
         if "tip_angle" in self.channels and {"sdg", "height"} & set(names):
@@ -197,20 +186,6 @@ class StabilityMap:
             for name in {"sdg", "height"} & set(names):
                 result[name] = np.where(tips, np.nan, result[name])
         return result
-
-    def _checked(self, params: ArrayLike) -> NDArray[np.float64]:
-        """Return parameters as (m, k); InputError for another shape and outside of the axes."""
-        points = np.atleast_2d(np.asarray(params, np.float64))
-        if points.ndim != 2 or points.shape[1] != len(self.axes):
-            raise InputError(
-                f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
-                f"one column for each of {', '.join(axis.name for axis in self.axes)}"
-            )
-        for parameter, axis, column in zip(
-            self.recipe.parameters, self.axes, points.T, strict=True
-        ):
-            parameter.require(column, self.recipe.source, axis.knots[0], axis.knots[-1])
-        return points
 
     def _interpolated(
         self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
@@ -231,13 +206,7 @@ class StabilityMap:
 
         InputError is raised if xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise InputError(
-                f"{self.path}: a Dataset needs the package xarray (got {error}); install it with "
-                "`pip install xarray`, or take arrays from `StabilityMap.channel`"
-            ) from None
+        xarray = optional(self.path, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
             shown = ("units", "long_name", "flag_values", "flag_meanings")
@@ -260,3 +229,41 @@ def verify(stability_map: StabilityMap) -> None:
     for name in stability_map.channels:
         for _ in stability_map.pieces(name):
             pass
+
+
+def channel_range(stability_map: StabilityMap, name: str) -> tuple[float | None, float | None]:
+    """Return the smallest and largest finite value of a channel, None where there is none."""
+    ends: list[float] = []
+    for _, values in stability_map.pieces(name):
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            ends += [float(finite.min()), float(finite.max())]
+    return min(ends, default=None), max(ends, default=None)
+
+
+def share_that_tips(stability_map: StabilityMap) -> float | None:
+    """Return the share of directions in which the robot tips, averaged over the map's postures.
+
+    Each node counts with the solid angle that it stands for, so it is a share of area on the
+    sphere of the chart's directions; None for a map without `tip_angle`, `status`, `sdg` and
+    `height`.
+    """
+    verdicts = ("tip_angle", "status", "sdg", "height")
+    name = next((n for n in verdicts if n in stability_map.channels), None)
+    if name is None:
+        return None
+    worst = len(QUANTITIES[name].words) - 1
+    weight = stability_map.chart.solid_angle()
+    # How many postures tip in each direction, (faces * nodes, nodes).
+    tipping = np.zeros((weight.size // weight.shape[-1], weight.shape[-1]), np.int64)
+    for row, values in stability_map.pieces(name):
+        if worst >= 0:
+            tips = values == worst
+        else:
+            tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
+        # A block is whole postures or a part of one.
+        first = row % len(tipping)
+        some = tipping[first : first + len(tips)]
+        some += tips.reshape(-1, *some.shape).sum(axis=0)
+    mean = tipping.reshape(weight.shape) / stability_map.recipe.grid.size
+    return float((mean * weight).sum() / weight.sum())

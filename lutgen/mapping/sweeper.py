@@ -1,25 +1,20 @@
-"""Sweep a recipe: compute every posture and direction, block by block, into a map file.
+"""Sweep a recipe: compute every posture and direction, block by block, into a map file."""
 
-Numbers come from `compute`, the file from `part`; here is the run: which blocks are still to be
-computed, where, progress, interruption and resumption.
-"""
-
-import contextlib
 import os
-from collections.abc import Callable, Generator, Iterator
+import threading
+from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from queue import SimpleQueue
 
 import numba
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError, MapFileError, SweepError
-from lutgen.files import check_kind, check_target, is_ours
+from lutgen.errors import InputError, MapFileError, SweepError, optional, reject
+from lutgen.files import check_kind, check_target
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.opening import load_map
@@ -74,8 +69,7 @@ def sweep(
     Raises
     ------
     InputError
-        For options or a PATH that cannot be used; if PATH or PATH.part is a file that lutgen did
-        not make, or holds work and neither `resume` nor `force` is given.
+        For options or a PATH that cannot be used, such as a file that lutgen did not make.
     RecipeError
         If the robot stands nowhere.
     MapFileError
@@ -89,7 +83,8 @@ def sweep(
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
     require_standing(recipe)
     target = Path(path)
-    part = _part_of(target, force)
+    check_target(target, force)
+    part = _part_of(target)
     before = numba.get_num_threads()
     numba.set_num_threads(threads or most)
     try:
@@ -98,8 +93,12 @@ def sweep(
         with ExitStack() as stack:
             compute: Engine = partial(_compute_here, recipe=recipe, layout=layout)
             if engine == "dask":
+                name, way_out = "lutgen.mapping.dask", "use the engine local"
+                there = optional("--engine dask", name, "lutgen[cluster]", way_out)
                 # Before there is a file: without a scheduler none is left behind.
-                compute = stack.enter_context(_dask(recipe, layout, scheduler, threads))
+                client = stack.enter_context(there.connected(scheduler))
+                work = partial(there.compute_there, client=client, threads=threads)
+                compute = partial(work, recipe=recipe, layout=layout)
             file = stack.enter_context(PartFile(part, recipe, layout))
             _open(file, resume, force)
             finished, blocks = 0, stack.enter_context(closing(compute(file)))
@@ -116,67 +115,35 @@ def sweep(
             raise
         # A sweep that did not begin leaves no file behind.
         on = ", then go on with `lutgen sweep --resume`" if part.exists() else ""
-        raise SweepError(
-            f"{target}: cannot be written (got {error.strerror or error}); check the path, the "
-            f"permissions and the free space{on}"
-        ) from error
+        what = "cannot be written"
+        way_out = f"check the path, the permissions and the free space{on}"
+        reject(target, what, error.strerror or error, way_out, SweepError)
     finally:
         numba.set_num_threads(before)
     return load_map(target)
 
 
 def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None:
-    """Refuse engines that do not exist and options that they do not have."""
     if engine not in ENGINES:
         raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
     if scheduler is not None and engine != "dask":
         raise InputError(f"scheduler needs the engine dask (got {scheduler} with {engine})")
     if recipe.function is not None and engine != "local":
-        raise InputError(
-            f"{recipe.source}: a robot given by code is swept on this machine only (got the "
-            f"engine {engine}); use the engine local"
-        )
+        what = "a robot given by code is swept on this machine only"
+        reject(recipe.source, what, f"the engine {engine}", "use the engine local", InputError)
 
 
-def _part_of(target: Path, force: bool) -> Path:
+def _part_of(target: Path) -> Path:
     """Return the path of the unfinished file; refuse what cannot or must not be written."""
     if not target.name or target.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
-        )
+        what = "cannot be written"
+        reject(target, what, "the path of a folder", "add a name such as map.h5", InputError)
     if not target.parent.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
-            "make it first"
-        )
+        what, got = "cannot be written", f"the folder {target.parent}, which does not exist"
+        reject(target, what, got, "make it first", InputError)
     part = target.with_name(target.name + ".part")
-    check_target(target, force)
     check_kind(part)
-    if force:
-        with contextlib.suppress(FileNotFoundError):
-            with part.open("rb") as file:
-                # That of another sweep, which is just laying it out, begins with zeros.
-                begun = any(file.read(1))
-            # A file that is none of ours may have other names: it is removed, not emptied.
-            if begun and not is_ours(part):
-                part.unlink()
     return part
-
-
-@contextlib.contextmanager
-def _dask(
-    recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
-) -> Iterator[Engine]:
-    """Connect to the workers that compute the blocks."""
-    try:
-        from lutgen.mapping.dask import compute_there, connected
-    except ImportError as error:
-        raise InputError(
-            f"the engine dask needs more packages (got {error}); install lutgen[cluster], or use "
-            "the engine local"
-        ) from error
-    with connected(scheduler) as client:
-        yield partial(compute_there, recipe=recipe, layout=layout, client=client, threads=threads)
 
 
 def _open(file: PartFile, resume: bool, force: bool) -> None:
@@ -187,10 +154,8 @@ def _open(file: PartFile, resume: bool, force: bool) -> None:
     begun = file.begun()
     if begun and not resume and not force:
         check_target(file.path)
-        raise InputError(
-            f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
-            "--force); go on with --resume, or begin anew with --force."
-        )
+        what, got = "holds the unfinished work of a sweep", "neither --resume nor --force"
+        reject(file.path, what, got, "go on with --resume, or begin anew with --force", InputError)
     try:
         file.open(anew=not (resume and begun))
     except BaseException:
@@ -211,16 +176,12 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     # A robot given by code is asked by one thread, as its author expects.
     enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
-    computers: SimpleQueue[Computer] = SimpleQueue()
-    for _ in range(workers):
-        computers.put(Computer(recipe, layout))
+    own = threading.local()
 
     def work(number: int) -> int:
-        computer = computers.get()
-        try:
-            file.write(number, computer.compute(layout.block(number)))
-        finally:
-            computers.put(computer)
+        if not hasattr(own, "computer"):
+            own.computer = Computer(recipe, layout)
+        file.write(number, own.computer.compute(layout.block(number)))
         return number
 
     alone = 1 if workers > 1 else len(todo)

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import Place, centre_of_mass, downwards
@@ -45,10 +45,9 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     """Return the spheres, rim discs and points near the ground, in the posture of these places.
 
     The ground is where the lowest of them is; near are those whose lowest point lies within a
-    quarter of the com's height above it, and all others below the com on the same link.  Where
-    the com is not above these, the robot leans on something else: then those below the com.
-    RecipeError is raised where shapes that are not understood are lower than all of them, and for
-    more than 200.
+    quarter of the com's height above it, and all others below the com on the same link.  Where the
+    com is not above these, the robot leans on something else: then those below the com.
+    RecipeError is raised where shapes that are not understood are lower, and for more than 200.
     """
     com = centre_of_mass(robot, where)
     touching = [link for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)]
@@ -60,20 +59,16 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     if not is_above(com, placed(result, where)[0]):
         result = below
     if len(result) > MAX_CANDIDATES:
-        raise RecipeError(
-            f"{robot.source}: more than {MAX_CANDIDATES} spheres and discs lie below the centre of "
-            f"mass (got {len(result)}); name the links that touch the ground with --contact."
-        )
+        what = f"more than {MAX_CANDIDATES} spheres and discs lie below the centre of mass"
+        got = len(result)
+        reject(robot.source, what, got, "name the links that touch the ground with --contact")
     return result
 
 
 def near_ground(
     robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
 ) -> list[Contact]:
-    """Return the contacts of links whose lowest point is near that of all.
-
-    Within a quarter of the com's height above it.
-    """
+    """Return the contacts of links that reach within `NEAR` of the com's height of the lowest."""
     lowest = [lowest_of(contact, where[contact.link]) for contact in contacts]
     ground = min(lowest, default=0.0)
     limit = ground + NEAR * (float(centre_of_mass(robot, where)[2]) - ground)
@@ -86,8 +81,7 @@ def lower_links(
 ) -> list[str]:
     """Return the links whose shapes reach below all contacts: the robot would lie on these.
 
-    Below by more than 1 % of the robot's size, the frame of the root level; links with contacts
-    and meshes do not count.
+    Below by more than `SLACK`, the frame of the root level; links with contacts do not count.
     """
     touching = {contact.link for contact in contacts}
     ground = min(lowest_of(contact, where[contact.link]) for contact in contacts)
@@ -159,10 +153,9 @@ def _refuse_lower_shapes(robot: UrdfRobot, where: Mapping[str, Place], ground: f
 
 
 def closed_shapes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
-    """Return the links with shapes that were not understood, the first of them, and why.
+    """Return the first links, of all or those named, with shapes without a size, and why.
 
-    Those have no size: meshes that were not opened, and unknown kinds.  Of all links, or of those
-    named, in their order; empty where there is none.
+    Those are meshes that were not opened, and unknown kinds; "" where there is none.
     """
     links = {link.name: link for link in robot.links}
     reasons: dict[str, list[str]] = {}

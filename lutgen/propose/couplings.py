@@ -1,14 +1,11 @@
-"""Which joints of a description become parameters, and which of them one parameter drives.
-
-Those asked for with `--joint` and `--couple`, or those that matter.
-"""
+"""Choose which joints become parameters, and which of them one parameter drives."""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
-from lutgen.errors import InputError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.propose.contacts import robot_size
 from lutgen.propose.effects import effects
@@ -51,9 +48,9 @@ def chosen_motion(
     """Return which joints are parameters or share one, and why any are coupled unasked.
 
     `joints` become parameters each by itself; `coupling` says what is coupled, or among which
-    joints a grouping is proposed.  Without both: all that matter, coupled where they are more than
-    10.  InputError is raised for what cannot be read, and for a joint that is asked for twice;
-    RecipeError for joints that cannot be free, or not together.
+    joints a grouping is proposed.  Without both: all that matter, coupled if more than 10.
+    InputError is raised for what cannot be read, or is asked for twice, RecipeError for joints that
+    cannot be free, or not together.
     """
     coupling = coupling or Coupling()
     if joints is not None and not coupling.texts:
@@ -72,10 +69,8 @@ def chosen_motion(
     for couple in couples:
         for name in couple.joints:
             if name in taken:
-                raise InputError(
-                    f"--couple: joint {name!r} is asked for twice (got it in {couple.name!r} "
-                    "too); remove it once."
-                )
+                what = f"joint {name!r} is asked for twice"
+                reject("--couple", what, f"it in {couple.name!r} too", "remove it once", InputError)
         taken.update(couple.joints)
     proposed: list[Couple] = []
     for names in reader.among() if coupling.texts else [[*free.free]]:
@@ -132,7 +127,6 @@ def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
 
 
 def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
-    """Return whether joints can go together by half the way that each can go alone, at least."""
     couple = _at_rest("", scales, free, "")
     low, high, least = -TURN, TURN, TURN
     for name, (scale, offset) in couple.joints.items():
@@ -159,10 +153,9 @@ def _at_rest(name: str, scales: Mapping[str, float], motion: Motion, why: str) -
 
 
 class _Reader:
-    """Reads the texts of `--couple` for one robot; a fault raises InputError.
+    """Reads the texts of `--couple`; a fault raises InputError.
 
-    `motion` has all joints that can be free, each by itself; by `limbs` the signs of joints are
-    found that a pattern or group has.
+    `motion` has all joints that can be free, each by itself; `limbs` know their signs.
     """
 
     def __init__(self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling) -> None:
@@ -177,17 +170,15 @@ class _Reader:
             if not equals:
                 continue
             if not re.fullmatch(IDENTIFIER, name) or name in RESERVED:
-                raise InputError(
-                    f"--couple: is no name of a parameter (got {name!r}); use letters, digits and "
-                    "_, a letter first, and none that a map file uses."
-                )
+                what = "is no name of a parameter"
+                way_out = "use letters, digits and _, a letter first, and none that a map file uses"
+                reject("--couple", what, f"{name!r}", way_out, InputError)
             scales: dict[str, float] = {}
             for item in items.split(","):
                 for joint, scale in self.item(text, item.strip(), scales).items():
                     if joint in scales:
-                        raise InputError(
-                            f"--couple: joint {joint!r} is named twice (got {text!r}); remove one."
-                        )
+                        what = f"joint {joint!r} is named twice"
+                        reject("--couple", what, f"{text!r}", "remove one", InputError)
                     scales[joint] = scale
             if any(name == couple.name for couple in result):
                 raise InputError(f"--couple: the name is given twice (got {text!r}); rename one.")
@@ -202,15 +193,12 @@ class _Reader:
                 found = [*self.motion.free] if text == AUTO else self.matches(text)
                 if not found:
                     known = [AUTO, *self.coupling.groups]
-                    raise InputError(
-                        f"--couple: names no joints that can move (got {text!r}); "
-                        f"{suggestion(text, known, FORMS + '; there are')}."
-                    )
+                    got, way_out = f"{text!r}", suggestion(text, known, FORMS + "; there are")
+                    reject("--couple", "names no joints that can move", got, way_out, InputError)
                 result.append(found)
         return result
 
     def item(self, text: str, item: str, before: Mapping[str, float]) -> dict[str, float]:
-        """Return the factors of one joint, group or pattern."""
         if item in self.joints:
             return {item: 1.0}
         match = FACTOR.fullmatch(item)
@@ -223,10 +211,9 @@ class _Reader:
         found = self.matches(name)
         if not found:
             known = [*self.joints, *self.coupling.groups]
-            raise InputError(
-                f"--couple: there is no such joint or group, and no joint has that pattern (got "
-                f"{item!r} in {text!r}); {suggestion(name, known, 'use one of')}."
-            )
+            what = "there is no such joint or group, and no joint has that pattern"
+            got = f"{item!r} in {text!r}"
+            reject("--couple", what, got, suggestion(name, known, "use one of"), InputError)
         if sign or number:
             return dict.fromkeys(found, factor)
         first, scale = next(iter(before.items()), (found[0], 1.0))

@@ -1,7 +1,4 @@
-"""Find likely mistakes in a description, which may make its robot less stable than it is told.
-
-Nothing is refused or changed for a doubt: each is a sentence that names a link or joint.
-"""
+"""Find likely mistakes in a description, which may make its robot less stable than it is told."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -63,7 +60,6 @@ def doubts(
 
 
 def _limits(robot: UrdfRobot) -> list[str]:
-    """Return the sentence on limits that look like degrees."""
     most = {
         joint.name: max((abs(x) for x in (joint.lower, joint.upper) if math.isfinite(x)), default=0)
         for joint in robot.joints
@@ -85,7 +81,6 @@ def _reach(shape: Collision) -> float:
 
 
 def _off(link: UrdfLink, span: float) -> float:
-    """Return how far a link's com is from what is known of it, m; 0.0 if it is near."""
     shapes = [shape for shape in (*link.collisions, *link.visuals) if shape.size]
     if link.mass <= 0.0 or not shapes or len(shapes) < len(link.collisions):
         return 0.0

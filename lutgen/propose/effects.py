@@ -24,10 +24,9 @@ def inner_contacts(
     """Return the contacts that never carry the robot alone: those between two others.
 
     A disc in the convex hull of two discs about parallel axes touches a plane only together with
-    them, and between their two points, so that no support polygon changes without it: the road
-    wheels of a track but the first and the last, if they stand in a line, and the inner rims of
-    a pair of wheels.  The same for spheres and points.  The three must be rigidly connected; of
-    equal ones all but the last are returned.
+    them, and between their two points, so that no support polygon changes without it: inner road
+    wheels of a track, and the inner rims of a pair of wheels.  The same for spheres and points.
+    The three must be rigidly connected; of equal ones all but the last are returned.
     """
     parts = {robot.root: robot.root}
     for joint in downwards(robot):
@@ -60,7 +59,6 @@ def inner_contacts(
 
 
 def _between(k: int, others: NDArray[np.intp], centre: Floats, radius: Floats, same: float) -> bool:
-    """Return whether a contact lies in the hull of two of the others."""
     first, second = (index.ravel() for index in np.meshgrid(others, others))
     way = centre[second] - centre[first]
     square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
@@ -76,8 +74,7 @@ def effects(
     """Return how far each free joint moves the contacts and the com at most.
 
     Bounds (m) on the way of a contact point that is fixed in its link, 0 for a wheel on its own
-    axle, and on the way of the com, from one end of the joint's range to the other with all other
-    joints at random values: a joint may move something in such a posture only.
+    axle, and of the com, from one end of the joint's range to the other, with all others at random.
     """
     rng = np.random.default_rng(0)
     values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}

@@ -44,9 +44,9 @@ def opened_meshes(
 
     Those of the links that are `named`, or of each chain of links the lowest, near the ground in
     the posture `where`.  A mesh that was opened has its extent as `size`, one that cannot be read
-    the reason as its note; on links that touch one shape stands for all of them, and its note says
-    how well.  Of a link without collision shapes the visual meshes serve, where it is named, and
-    where the robot does not stand on spheres and cylinders.
+    the reason as its note; on links that touch one shape, with a note, stands for all of them.  Of
+    a link without collision shapes the visual meshes serve, where it is named, and where the robot
+    does not stand on spheres and cylinders.
     """
     found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
     chosen = _touching(robot, found, where) if named is None else set(named)
@@ -69,7 +69,6 @@ def opened_meshes(
 
 
 def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
-    """Return a link with its meshes read."""
     turn, origin = place
     shapes, parts = [], [np.zeros((0, 3))]
     for shape in link.collisions:
@@ -89,10 +88,9 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
 
 
 def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, Place]) -> set[str]:
-    """Return the links whose meshes touch: near the ground, and the lowest above and below them.
+    """Return the links whose meshes touch: near the ground, the lowest of those above and below.
 
-    If links are fixed to each other, only the lowest touches.  A link with a ball about as low, on
-    itself or on a link above or below, stands on the ball.
+    Of links that are fixed to each other only the lowest; none with a ball about as low beside it.
     """
     com = float(centre_of_mass(robot, where)[2])
     ground = min(one.low for one in found.values())
@@ -114,10 +112,7 @@ def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, 
 def _along_chains(
     robot: UrdfRobot, heights: Mapping[str, float], kinds: Sequence[str] = JOINT_KINDS
 ) -> dict[str, float]:
-    """Return for each link the least height of those that it hangs from and that hang from it.
-
-    By joints of these kinds alone.
-    """
+    """Return for each link the least height of those above and below it, by joints of `kinds`."""
     joints = [joint for joint in downwards(robot) if joint.kind in kinds]
     above = dict.fromkeys(heights, math.inf)
     for joint in joints:
@@ -161,7 +156,6 @@ def _replaced(
 def _shape(
     corners: Floats, name: str, axle: UrdfJoint | None, where: Mapping[str, Place]
 ) -> Collision:
-    """Return the wheel, or else the foot, that a link's meshes are."""
     turn, origin = where[name]
     if axle is not None:
         about, centre = where[axle.child]
@@ -174,11 +168,10 @@ def _shape(
 
 
 def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
-    """Return the description with the shapes on which it stands.
+    """Return the description with the shapes on which it stands, of each chain the lowest.
 
-    Where it does not stand on spheres, cylinders and meshes, the boxes of links without these
-    count as corners; where it does not stand on them either, so do the looks of links without
-    collision shapes.  Of each chain of links the lowest counts.
+    Where these are not spheres, cylinders and meshes, the boxes of links without these count as
+    corners, and then the looks of links without collision shapes.
     """
     if has_support(robot, where):
         return robot
@@ -209,7 +202,6 @@ def drawn(link: UrdfLink) -> UrdfLink:
 
 
 def _cornered(link: UrdfLink) -> UrdfLink:
-    """Return a link with points for its boxes, if it has nothing else to stand on."""
     if not all(shape.kind == "box" for shape in link.collisions):
         return link
     parts = []

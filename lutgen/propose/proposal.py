@@ -31,9 +31,8 @@ from lutgen.urdf.shapes import TOUCHING, used_shapes
 class Imported:
     """A recipe's text, the recipe, and sentences on what the description has besides.
 
-    `guessed` has one for each wheel and foot that was recognised in a mesh or its looks.
-    `couples` has the joints and scales of each parameter that drives several, and `because` why
-    they are coupled unasked, empty where they are not.  `warnings` are about likely mistakes.
+    `guessed` has one for each wheel and foot that was recognised; `couples` has joints and scales
+    of each parameter that drives several, and `because` why unasked; `warnings` are of mistakes.
     """
 
     text: str
@@ -54,33 +53,18 @@ def import_urdf(
     meshes: Meshes | None = None,
     coupling: Coupling | None = None,
 ) -> Imported:
-    """Turn a description into a recipe.
+    """Turn a description (m) into a recipe.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description; lengths in m.
-    contacts : sequence of str, optional
-        Links whose collision shapes touch the ground.  None: if `given` is empty, the shapes near
-        the ground at rest, else none.
-    given : sequence of Contact
-        Contacts in the frames of the description's links.
-    joints : sequence of str, optional
-        Joints that become parameters, each by itself; None for all that move a contact, or the
-        com by more than 0.5 % of the robot's size, coupled where they are more than 10.
-    posture : mapping of str to float, optional
-        Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
-        `home`, and where joints that are no parameters stand.
-    meshes : Meshes, optional
-        Opens the meshes, to find wheels and feet in them; None leaves them closed.
-    coupling : Coupling, optional
-        Which joints one parameter drives.
+    The links named in `contacts` touch the ground with their collision shapes, and so do those that
+    are `given`, in the frames of links; without either, the shapes near the ground at rest.  The
+    `joints` become parameters, and what `coupling` says; without either, all that move a contact,
+    or the com by more than 0.5 % of the robot's size, coupled where they are more than 10.
+    `posture` has joints at rest, rad or m, else 0 or their limit nearest to it: the recipe's
+    `home`, and where joints that are no parameters stand.  `meshes` opens the meshes, to find
+    wheels and feet in them.
 
-    Returns
-    -------
-    Imported
-        RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
-        contacts.
+    RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
+    contacts.
     """
     require_mass(robot)
     motion = read_motion(robot, joints, posture)
@@ -143,7 +127,6 @@ def import_urdf(
 
 
 def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
-    """Return what was recognised in meshes, links of the same words together."""
     notes = guesses(robot, contacts)
     links: dict[str, dict[str, None]] = {}
     for contact in contacts:
@@ -153,7 +136,6 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
-    """Return the refusal of too few or too many contacts, and where too few could be."""
     way_out = "name the links that touch the ground with --contact"
     closed = closed_shapes(robot)
     if count < 3 and closed:

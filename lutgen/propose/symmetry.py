@@ -52,11 +52,7 @@ class Limb(NamedTuple):
 
 
 class Limbs:
-    """The limbs of a robot with its contacts, and how they correspond.
-
-    `zero` and `rest` have the places of all links with joints at zero, or at their limit nearest to
-    it, and standing.
-    """
+    """The limbs of a robot, by its links' places with joints at zero and standing (`rest`)."""
 
     def __init__(
         self,
@@ -107,7 +103,6 @@ class Limbs:
         return math.copysign(1.0, along) if abs(along) >= PARALLEL else 0.0
 
     def _mirror(self, a: Limb, b: Limb) -> Floats:
-        """Return the factors of x, y and z that make one limb the image of another."""
         apart = np.abs(a.spot - b.spot) > BESIDE * self.size
         # On one line across the robot they are images of each other, wherever its middle is.
         along = -1.0 if self.folded and apart[0] else 1.0
@@ -131,7 +126,6 @@ class Limbs:
         return result
 
     def _images(self, names: Sequence[str]) -> list[str]:
-        """Return the first joint and those that are where its mirror images are."""
         first = self.limbs[names[0]]
         result = [names[0]]
         spots = np.array([self.limbs[name].spot for name in names])

@@ -87,12 +87,10 @@ def recipe_text(
 
 
 def _table(head: str, values: Mapping[str, object]) -> list[str]:
-    """Return the lines of a table, without the keys whose value is None."""
     return [head, *(f"{key} = {toml(one)}" for key, one in values.items() if one is not None)]
 
 
 def _drives(couple: Couple, unit: str) -> str:
-    """Return which joints a parameter drives, and why."""
     drives = []
     for joint, (scale, offset) in couple.joints.items():
         shown = _shown(offset, unit)
@@ -103,7 +101,6 @@ def _drives(couple: Couple, unit: str) -> str:
 
 
 def _comment(text: str) -> list[str]:
-    """Return a sentence as lines of comment."""
     lines = textwrap.wrap(text, LONGEST - 2, break_long_words=False, break_on_hyphens=False)
     return [f"# {line}" for line in lines]
 
@@ -163,7 +160,6 @@ def unused(base: str, used: Collection[str]) -> str:
 
 
 def _link_values(link: Link, names: Mapping[str, str]) -> dict[str, object]:
-    """Return the keys of a link."""
     values: dict[str, object] = {"name": names[link.name]}
     if link.mass > 0.0:
         values |= {"mass": link.mass, "com": _vector(link.com)}
@@ -186,5 +182,4 @@ def _shown(value: float, unit: str) -> float:
 
 
 def _vector(values: Sequence[float]) -> list[float]:
-    """Return lengths or a direction without the last digits' noise."""
     return [_shown(value, "m") for value in values]

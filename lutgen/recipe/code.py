@@ -1,7 +1,4 @@
-"""Robots given by code: ``[robot] python = "module:function"``.
-
-Loading such a recipe runs code, so it happens only when the caller allows it.
-"""
+"""Robots given by code: ``[robot] python = "module:function"``."""
 
 import importlib
 import importlib.machinery
@@ -10,13 +7,15 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
+from lutgen.errors import InputError, LutgenError, RecipeError, reject
 from lutgen.parts import Parameter
 from lutgen.recipe.load import fail
 from lutgen.recipe.schema import MAX_CONTACTS
+from lutgen.vector import Floats
 
 
 def load_function(
@@ -37,20 +36,38 @@ def load_function(
     if not callable(function):
         refuse(f"module has no function {function_name}", name, "check the name")
     middle = np.array([[(p.minimum + p.maximum) / 2.0 for p in parameters]])
-    result = function(middle.reshape(1, len(parameters)))
-    if not isinstance(result, tuple) or len(result) != 2:
-        kind = type(result).__name__
-        refuse("must return contacts and com", kind, "return a tuple of two arrays")
-    contacts, com = np.shape(result[0]), np.shape(result[1])
-    if len(contacts) != 3 or contacts[0] != 1 or contacts[2] != 3 or com != (1, 3):
-        what = "must return contacts (m, n, 3) and com (m, 3)"
-        refuse(what, [contacts, com], "check the shapes for m = 1")
-    if not 3 <= contacts[1] <= MAX_CONTACTS:
+    middle = middle.reshape(1, len(parameters))
+    contacts, _ = asked(source, function, middle, kind=RecipeError)
+    if not 3 <= contacts.shape[1] <= MAX_CONTACTS:
         what = f"must return 3 to {MAX_CONTACTS} contacts"
-        refuse(what, contacts[1], "return those that can touch the ground")
-    if not (np.isfinite(result[0]).all() and np.isfinite(result[1]).all()):
-        refuse("returns NaN or infinity at the middle posture", name, "correct it")
-    return function, contacts[1]
+        refuse(what, contacts.shape[1], "return those that can touch the ground")
+    return function, contacts.shape[1]
+
+
+def asked(
+    source: str,
+    function: Callable[..., Any],
+    values: Floats,
+    count: int | str = "n",
+    kind: type[LutgenError] = InputError,
+) -> tuple[Floats, Floats]:
+    """Return contacts (m, n, 3) and com (m, 3) as a function has them for parameters (m, k)."""
+
+    def refuse(what: str, got: object, way_out: str) -> NoReturn:
+        reject(f"{source}: key `robot.python`", what, got, way_out, kind)
+
+    rows, result = len(values), function(values)
+    if not isinstance(result, tuple) or len(result) != 2:
+        got = type(result).__name__
+        refuse("must return contacts and com", got, "return a tuple of two arrays")
+    contacts, com = (np.asarray(part, dtype=np.float64) for part in result)
+    shape = (rows, contacts.shape[1] if count == "n" and contacts.ndim == 3 else count, 3)
+    if contacts.shape != shape or com.shape != (rows, 3):
+        what = f"must return contacts ({rows}, {count}, 3) and com ({rows}, 3)"
+        refuse(what, [contacts.shape, com.shape], "check the shapes")
+    if not (np.isfinite(contacts).all() and np.isfinite(com).all()):
+        refuse("must return finite numbers", "NaN or infinity", "correct the function")
+    return contacts, com
 
 
 def _import(source: str, name: str, module_name: str) -> ModuleType:

@@ -1,10 +1,7 @@
-"""Robots given by a robot description: ``[robot] urdf = "robot.urdf"``.
-
-A recipe may name a file beside it, and joints of it as parameters.
-"""
+"""Robots given by a robot description: ``[robot] urdf = "robot.urdf"``."""
 
 from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from lutgen import bounds
 from lutgen.errors import suggestion
@@ -25,31 +22,27 @@ SAME = 1e-6
 
 def read_description(source: str, name: str) -> str:
     """Return the text of the file of this name, in the folder of a recipe or below."""
-    path = PurePosixPath(name)
     key, way_out = "robot.urdf", "copy the file beside the recipe and write its name"
-    if path.is_absolute() or ".." in path.parts or "\\" in name or "\0" in name:
-        fail(source, key, "must be a relative path without '..'", name, way_out)
     folder = Path(source).resolve().parent
     try:
-        target = (folder / path).resolve()
-        if not target.is_relative_to(folder):
-            fail(source, key, "leads out of the recipe's folder", name, way_out)
-        if not target.is_file():
-            fail(source, key, "names no file", name, way_out)
-    except (OSError, RuntimeError) as error:
+        target = (folder / name).resolve()
+        inside, there = target.is_relative_to(folder), target.is_file()
+    except (OSError, RuntimeError, ValueError) as error:
         fail(source, key, f"cannot be read: {error}", name, way_out)
+    if not (inside and there):
+        what = "names no file" if inside else "leads out of the recipe's folder"
+        fail(source, key, what, name, way_out)
     return utf8(bounds.read(str(target), bounds.URDF_BYTES), f"{source}: {name}")
 
 
 def links_and_shapes(
     robot: Robot, parameters: tuple[Parameter, ...], content: str, source: str
 ) -> tuple[tuple[Link, ...], dict[int, list[Contact]]]:
-    """Return the links of a recipe's description, and the shapes that its contacts stand for.
+    """Return the links of a recipe's description, and the shapes of contacts without a position.
 
-    Each parameter is the joint that its `joint` key names, or the one of its own name, or drives
-    those of its `drive`, within the limits of these; joints that are none stand at zero or at their
-    limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are
-    all, under their own names, m and kg; the shapes are those of contacts without a position.
+    Each parameter is the joint of its `joint` key or its own name, or drives those of its `drive`,
+    within their limits; all others stand at zero or at their limit nearest to it, and joints that
+    mimic one follow it.  The links are all, under their own names, m and kg.
     """
     described = parse_urdf(content, f"{source}: {robot.urdf}")
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
@@ -69,7 +62,6 @@ def links_and_shapes(
 
 
 def _driven(parameter: schema.Parameter) -> dict[str, tuple[float, float]]:
-    """Return scale and offset (rad or m) of each joint of a parameter."""
     if parameter.drive is None:
         return {parameter.joint or parameter.name: (1.0, 0.0)}
     return {
@@ -99,7 +91,6 @@ def _joint_faults(robot: Robot, known: list[str]) -> Iterator[Fault]:
 def _range_faults(
     parameters: tuple[Parameter, ...], described: UrdfRobot, motion: Motion
 ) -> Iterator[Fault]:
-    """Yield parameters of the wrong unit and values that their joints cannot take."""
     kinds = {joint.name: joint.kind for joint in described.joints}
     for place, (parameter, couple) in enumerate(zip(parameters, motion.couples, strict=True), 1):
         key, joint = f"robot.parameter[{place}]", couple.first
@@ -136,11 +127,10 @@ def _shape_faults(
 
 
 def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
-    """Return what is known of the body above the contacts, named after its links.
+    """Return what is known of the body above the contacts, in its links' frames, length unit.
 
-    The centre of mass of every link that has a mass, as a point: it lies inside of what the link
-    is.  With a description also the spheres, cylinders and boxes of links that carry no contact,
-    but no meshes.  In the links' frames, the recipe's length unit; none of a robot given by code.
+    The com of every link that has a mass, as a point inside of what the link is, and the spheres,
+    cylinders and boxes of a description's links that carry no contact; none of a robot by code.
     """
     if recipe.python is not None:
         return ()

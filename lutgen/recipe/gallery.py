@@ -7,7 +7,7 @@ package; an installation has a copy of it inside the package.
 from functools import cache
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 
 # A name of the gallery begins with this, and a path does not.
 GALLERY = "recipe:"
@@ -25,31 +25,17 @@ def gallery_names() -> tuple[str, ...]:
 
 
 def gallery_text(name: str) -> str:
-    """Return the TOML of a recipe of the gallery, comments included.
-
-    Parameters
-    ----------
-    name : str
-        One of `gallery_names`, with or without `recipe:` before it; any other raises RecipeError.
-    """
+    """Return the TOML of a recipe of the gallery, with or without `recipe:` before its name."""
     bare = name.removeprefix(GALLERY)
     known = gallery_names()
     if bare not in known:
-        raise RecipeError(
-            f"{GALLERY}{bare}: the gallery has no recipe of this name (got {bare!r}); "
-            f"{suggestion(bare, known, 'choose from')}."
-        )
+        way_out = suggestion(bare, known, "choose from")
+        reject(f"{GALLERY}{bare}", "the gallery has no recipe of this name", repr(bare), way_out)
     return (_FOLDER / f"{bare}.toml").read_text(encoding="utf-8")
 
 
 def start_recipe(kind: str) -> str:
-    """Return a commented recipe to start from, complete as it is.
-
-    Parameters
-    ----------
-    kind : str
-        One of the keys of `start_recipes`; InputError is raised for any other.
-    """
+    """Return a commented recipe to start from, of a kind in `start_recipes`."""
     if kind not in KINDS:
         way_out = suggestion(kind, KINDS, "use one of")
         raise InputError(

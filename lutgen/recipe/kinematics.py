@@ -4,15 +4,17 @@ One kernel walks the link tree for every posture.
 """
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.jit import njit
 from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
+from lutgen.recipe.code import asked
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector
@@ -27,7 +29,7 @@ class Postures(NamedTuple):
     axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
     `force_points` (m, f, 3): where the recipe's forces act, relative to the com; `pivots` and
     `pivot_axes` (m, a, 3): a point of the line about which each axle swings, relative to the com,
-    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (a,): the com of what
+    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (m, a): the com of what
     swings, relative to that of the robot, and its share of the mass.
     """
 
@@ -57,30 +59,21 @@ class Tree(NamedTuple):
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
-    """Compute postures.
+    """Compute postures from rows of parameters (m, k), rad or length.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        One row per posture, one column per parameter, rad or length.  Values outside
-        the parameters' limits are computed like any other; NaN and infinity raise
-        InputError.
-
-    Returns
-    -------
-    Postures
-        Contact centres relative to the com, disc axes, the com, and where forces act.
+    Values outside the parameters' limits are computed like any other; NaN and infinity raise
+    InputError.
     """
     values = _checked(recipe, params)
     if recipe.python is not None and recipe.function is None:
-        raise InputError(
-            f"{recipe.source}: the robot is given by code that was not loaded (got python = "
-            f"{recipe.python!r}); load its recipe file with allow_python"
-        )
+        what, got = "the robot is given by code that was not loaded", f"python = {recipe.python!r}"
+        reject(recipe.source, what, got, "load its recipe file with allow_python", InputError)
     if recipe.function is not None:
-        return _forward_python(recipe, values)
+        own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
+        com = com + recipe.com_offset
+        none = np.empty((len(values), 0, 3))
+        centres = own - com[:, None, :]
+        return Postures(centres, np.zeros(own.shape), com, none, none, none, none, none[..., 0])
     contacts = len(recipe.contacts)
     forces = contacts + len(recipe.forces)
     pivots = forces + len(recipe.axles)
@@ -133,47 +126,27 @@ def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
     values = np.ascontiguousarray(params, dtype=np.float64)
     names = ", ".join(p.name for p in recipe.parameters)
     if values.ndim != 2 or values.shape[1] != len(recipe.parameters):
-        raise InputError(
-            f"{recipe.source}: params must have shape (m, {len(recipe.parameters)}) "
-            f"(got {values.shape}); give one row per posture with the columns: {names}."
-        )
+        what = f"params must have shape (m, {len(recipe.parameters)})"
+        way_out = f"give one row per posture with the columns: {names}"
+        reject(recipe.source, what, values.shape, way_out, InputError)
     bad = ~np.isfinite(values)
     if bad.any():
         row, column = np.unravel_index(bad.argmax(), bad.shape)
-        raise InputError(
-            f"{recipe.source}: parameter `{recipe.parameters[column].name}` must be finite "
-            f"(got {values[row, column]} in row {row}); pass numbers only."
-        )
+        what = f"parameter `{recipe.parameters[column].name}` must be finite"
+        got = f"{values[row, column]} in row {row}"
+        reject(recipe.source, what, got, "pass numbers only", InputError)
     return values
 
 
-def within_limits(recipe: Recipe, params: ArrayLike) -> Floats:
-    """Return params as `forward` takes them; InputError is raised for one beyond its limits."""
+def within_limits(
+    recipe: Recipe, params: ArrayLike, ends: Sequence[tuple[float, float]] | None = None
+) -> Floats:
+    """Return params as `forward` takes them, if within `ends`, or the parameters' limits."""
     values = _checked(recipe, params)
-    for parameter, column in zip(recipe.parameters, values.T, strict=True):
-        parameter.require(column, recipe.source, parameter.minimum, parameter.maximum)
+    ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
+    for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
+        parameter.require(column, recipe.source, low, high)
     return values
-
-
-def _forward_python(recipe: Recipe, values: Floats) -> Postures:
-    """Call the robot's own function."""
-    function: Any = recipe.function
-    contacts, com = (np.asarray(part, dtype=np.float64) for part in function(values))
-    shape = (len(values), len(recipe.contacts), 3)
-    if contacts.shape != shape or com.shape != (len(values), 3):
-        raise InputError(
-            f"{recipe.source}: `{recipe.python}` must return contacts {shape} and com "
-            f"{(len(values), 3)} (got {contacts.shape} and {com.shape}); correct the function."
-        )
-    if not (np.isfinite(contacts).all() and np.isfinite(com).all()):
-        raise InputError(
-            f"{recipe.source}: `{recipe.python}` must return finite numbers (got NaN or "
-            "infinity); correct the function."
-        )
-    com = com + recipe.com_offset
-    none = np.empty((len(values), 0, 3))
-    centres = contacts - com[:, None, :]
-    return Postures(centres, np.zeros(shape), com, none, none, none, none, np.empty(0))
 
 
 def swung_links(recipe: Recipe) -> list[list[Link]]:
@@ -193,7 +166,7 @@ def swung_links(recipe: Recipe) -> list[list[Link]]:
 
 
 def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
-    """Return the com (m, a, 3) of what swings with each axle, and its share (a,) of the mass.
+    """Return the com (m, a, 3) of what swings with each axle, and its share (m, a) of the mass.
 
     `coms` (m, s, 3) are those of the links of `swung_links`, one after the other.
     """
@@ -205,12 +178,11 @@ def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
             middles[:, k] = mass @ coms[:, first : first + len(links)] / mass.sum()
         shares.append(float(mass.sum()) / total if total else 0.0)
         first += len(links)
-    return middles, np.array(shares)
+    return middles, np.tile(np.array(shares), (len(coms), 1))
 
 
 @lru_cache(maxsize=16)
 def _tree(recipe: Recipe) -> Tree:
-    """Flatten the links of a recipe."""
     order, _ = parents_first({link.name: link.parent for link in recipe.links})
     named = {link.name: link for link in recipe.links}
     links = [named[name] for name in order]
@@ -261,7 +233,6 @@ def _tree(recipe: Recipe) -> Tree:
 
 @njit()
 def _turn(axis: Floats, angle: float, out: Floats) -> None:
-    """Write the rotation matrix about a unit axis (Rodrigues' formula)."""
     c, s = math.cos(angle), math.sin(angle)
     x, y, z, d = axis[0], axis[1], axis[2], 1.0 - c
     out[0, 0] = c + x * x * d
@@ -277,7 +248,6 @@ def _turn(axis: Floats, angle: float, out: Floats) -> None:
 
 @njit()
 def _multiply(left: Floats, right: Floats, out: Floats) -> None:
-    """Write the product of two 3 x 3 matrices; `out` must be neither of them."""
     for i in range(3):
         for j in range(3):
             out[i, j] = (
@@ -295,7 +265,6 @@ def _copy(matrix: Floats, out: Floats) -> None:
 
 @njit()
 def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
-    """Return component i of matrix times vector."""
     return float(matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
 
 
@@ -309,10 +278,9 @@ def _place(
     turn: Floats,
     where: Floats,
 ) -> None:
-    """Write rotation and origin of one link in the body frame to `turn` and `where`.
+    """Write rotation and origin of a link in the body frame, after those of its parent.
 
-    `turn` has two matrices more than there are links, as scratch; the parent's rows must have been
-    written.
+    `turn` has two matrices more than there are links, as scratch.
     """
     here, axis = turn[link], motion[link, 3:6]
     above, joint = tree_link[link, 0], tree_link[link, 1]

@@ -1,7 +1,4 @@
-"""Text into the models of `schema`: every fault at once, each in a sentence of ours.
-
-The sentences are about files that are not TOML, and about keys of a wrong type or value.
-"""
+"""Text into the models of `schema`: every fault at once, each in a sentence of ours."""
 
 import json
 import os
@@ -15,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, readable, suggestion
+from lutgen.errors import RecipeError, readable, reject, suggestion
 from lutgen.recipe.schema import PATTERNS
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -57,7 +54,6 @@ class Fault:
     way_out: str
 
     def __str__(self) -> str:
-        """Return the sentence without the file."""
         text = f"key `{self.key}`: {self.what} (got {_shown(self.got)}); {self.way_out}."
         return readable(text).replace("\n", "\\n")
 
@@ -90,10 +86,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
     source = os.fspath(path)
     raw = bounds.read(source, bounds.RECIPE_BYTES)
     if raw.startswith(HDF5):
-        raise RecipeError(
-            f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
-            "`lutgen.load_map(path).recipe`."
-        )
+        what, way_out = "is no text", "the recipe inside a map is `lutgen.load_map(path).recipe`"
+        reject(source, what, "HDF5, as maps are", way_out)
     return utf8(raw, source)
 
 
@@ -103,10 +97,8 @@ def utf8(raw: bytes, source: str) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise RecipeError(
-            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
-            "save the file as UTF-8."
-        ) from None
+        what = f"line {line} is not UTF-8"
+        reject(source, what, f"byte 0x{raw[error.start]:02x}", "save the file as UTF-8")
 
 
 def read_tables(text: str, source: str, model: type[Model]) -> Model:
@@ -115,10 +107,8 @@ def read_tables(text: str, source: str, model: type[Model]) -> Model:
     try:
         values = tomllib.loads(text)
     except RecursionError:
-        raise RecipeError(
-            f"{source}: is nested too deep (got more levels than can be read); recipes have "
-            "fewer than ten."
-        ) from None
+        what = "is nested too deep"
+        reject(source, what, "more levels than can be read", "recipes have fewer than ten")
     except ValueError as error:
         # Also of a number with more digits than Python reads.
         last = f"at line {text.count(chr(10)) + 1}, the end of the file"
@@ -140,10 +130,9 @@ def _refuse_long_keys(text: str, source: str) -> None:
     for run in re.finditer(rf"[^\n,=\[\]{{}}#]{{{dots.most + 1},}}", text):
         if run[0].count(".") > dots.most:
             line = text.count("\n", 0, run.start()) + 1
-            raise RecipeError(
-                f"{source}: line {line}: a key is nested too deep (got {run[0].count('.'):,}, at "
-                f"most {dots.most:,} {dots.what}); recipes have three."
-            )
+            what = f"line {line}: a key is nested too deep"
+            got = f"{run[0].count('.'):,}, at most {dots.most:,} {dots.what}"
+            reject(source, what, got, "recipes have three")
 
 
 def path_of(parts: Sequence[int | str]) -> str:
@@ -158,7 +147,6 @@ def path_of(parts: Sequence[int | str]) -> str:
 
 
 def _fault(model: type[BaseModel], error: Any) -> Fault:
-    """Return a fault that the models found."""
     kind, where, context = error["type"], error["loc"], error.get("ctx", {})
     numbers = {name: f"{one:,.15g}" for name, one in context.items() if type(one) in (int, float)}
     table, name, field = _place(model, where)
@@ -210,13 +198,7 @@ def below(annotation: Any) -> type[BaseModel] | None:
 
 
 def toml(value: object) -> str:
-    """Return a value as TOML has it.
-
-    Examples
-    --------
-    >>> toml({"lift": [1, 0.5], "up": True})
-    '{ lift = [1, 0.5], up = true }'
-    """
+    """Return a value as TOML has it."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {toml(one)}" for name, one in value.items()) + " }"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

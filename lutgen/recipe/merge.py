@@ -1,12 +1,9 @@
-"""Bring an edited recipe up to date with the robot description that it came from.
-
-Links are taken from the description, everything else from the recipe.
-"""
+"""Bring an edited recipe up to date with the robot description that it came from."""
 
 import tomllib
 from typing import Any
 
-from lutgen.errors import InputError
+from lutgen.errors import optional
 from lutgen.recipe.recipe import parse_recipe
 
 # Keys that a description sets in a link wherever it hangs, and those of its place.
@@ -17,39 +14,17 @@ OF_JOINT = ("type", "axis")
 def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, ...]]:
     """Write what a description says of its links into a recipe, which keeps all else.
 
-    Parameters
-    ----------
-    text : str
-        The recipe, TOML, with hand edits and comments.
-    source : str
-        Its file, for messages.
-    fresh : str
-        The recipe that the description alone gives, with links of the same names.
+    `text` is the recipe, with hand edits and comments, `source` its file, and `fresh` the recipe
+    that the description alone gives.  Mass, com, origin and rpy of each link become the latter's,
+    and type and axis of its joint; a link that is fixed in one and moves in the other keeps its
+    place and joint.  Returned with the new text is a sentence for each value that was changed,
+    and for each link that only one of them has, which stays as it is.
 
-    Returns
-    -------
-    text : str
-        The recipe with mass, com, origin and rpy of each link, and type and axis of its joint, as
-        in `fresh`; a link that is fixed in one and moves in the other keeps its place and joint.
-    changes : tuple of str
-        A sentence for each value that was changed, and for each link that only one of them has,
-        which stays as it is.
-
-    Raises
-    ------
-    RecipeError
-        Where the recipe is not good, before or after.
-    InputError
-        Where the package tomlkit is not installed.
+    RecipeError is raised where the recipe is not good, before or after, and InputError where the
+    package tomlkit is not installed.
     """
     parse_recipe(text, source)
-    try:
-        import tomlkit
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package tomlkit to keep its comments (got no such package); "
-            "install it with `pip install lutgen[merge]`, or write another file."
-        ) from None
+    tomlkit = optional(source, "tomlkit", "lutgen[merge]", "write another file")
     document = tomlkit.parse(text)
     wanted = {link["name"]: link for link in tomllib.loads(fresh)["robot"].get("link", [])}
     changes: list[str] = []
@@ -69,7 +44,6 @@ def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, .
 
 
 def _bring(link: Any, wanted: dict[str, Any]) -> list[str]:
-    """Write the values of a description's link into the recipe's; return what was changed."""
     moves = link.get("joint", {}).get("type", "none") != "none"
     same_kind = moves == ("joint" in wanted)
     changes = _copy(link, wanted, (*OWN, *PLACED) if same_kind else OWN, f"link {link['name']}")

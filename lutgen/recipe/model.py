@@ -24,15 +24,13 @@ class ExportDefaults:
 class Recipe:
     """A checked recipe; angles in rad, lengths in `length_unit`.
 
-    `python` is ``"module:function"`` for a robot given by code; `function` is then
-    that function.  `text` is the TOML itself and `source` its file name for messages.
-    `urdf` is the content of the robot description that the recipe names.
-    Payloads are links; `com_offset` is added to the com that links give, and `com_uncertainty` is
-    the radius of the ball in which the com lies.
-    `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
-    `home` has the parameters of the posture that it stands in, as far as the recipe says.
-    `snapped` says which contacts are not quite where the text has them, see `snap`.
-    `title` is what figures call the robot.
+    `text` is the TOML itself, `source` its file name for messages, and `urdf` the content of the
+    robot description that it names.  `python` is ``"module:function"`` for a robot given by code,
+    `function` that function.  Payloads are links; `com_offset` is added to the com that links give,
+    and `com_uncertainty` is the radius of the ball in which the com lies.  `rest_width` and
+    `contact_tolerance` are None where they are left to the size, and `home` has the parameters of
+    the posture to stand in, as far as the recipe says.  `snapped` says which contacts are not quite
+    where the text has them; `title` is what figures call the robot.
     """
 
     name: str

@@ -5,7 +5,7 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Link
+from lutgen.parts import ZERO, Contact, Force, Link
 from lutgen.recipe.code import load_function
 from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
@@ -14,11 +14,9 @@ from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
     axles_of,
     contacts_of,
-    forces_of,
     knots_of,
     links_of,
     parameters_of,
-    payloads_of,
     three,
     weighed,
     wheels_of,
@@ -30,7 +28,7 @@ from lutgen.recipe.snap import snap
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
-    """Read a recipe file.
+    """Read a recipe file; one with any fault raises RecipeError.
 
     Parameters
     ----------
@@ -38,11 +36,6 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
         A TOML file, UTF-8, or `recipe:NAME` for one of the gallery, which comes with the package.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
-
-    Returns
-    -------
-    Recipe
-        Checked; a file with any fault raises RecipeError.
     """
     source = os.fspath(path)
     text = gallery_text(source) if source.startswith(GALLERY) else read_text(path)
@@ -56,26 +49,19 @@ def parse_recipe(
     inert: bool = False,
     urdf: str | None = None,
 ) -> Recipe:
-    """Check the text of a recipe.
+    """Check the text of a recipe, TOML; one with any fault raises RecipeError.
 
     Parameters
     ----------
-    text : str
-        TOML.
-    source : str
-        File name for messages; its folder is where the code of a `python` key and the file of a
-        `urdf` key are.
+    text, source : str
+        The text, and its file for messages, in whose folder the code of a `python` key and the
+        file of a `urdf` key are.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
     inert : bool
         Leave that code alone even so, and open no file: enough to read a map.
     urdf : str, optional
         Content of the robot description that the recipe names, instead of the file.
-
-    Returns
-    -------
-    Recipe
-        Checked; a text with any fault raises RecipeError.
     """
     file = read_tables(text, source, File)
     robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()
@@ -108,6 +94,7 @@ def parse_recipe(
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)
         refuse(source, faults)
         links = links_of(robot) if robot.urdf is None else links
+    payloads = [Link(p.name, p.link, three(p.position), mass=p.mass) for p in robot.payload]
     samples = file.sweep.samples or {}
     axes = (
         Axis(one.name, parameter.unit, knots_of(one, samples[one.name]))
@@ -121,7 +108,7 @@ def parse_recipe(
         upright=math.radians(robot.upright),
         rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
-        links=weighed((*links, *payloads_of(robot)), robot.mass),
+        links=weighed((*links, *payloads), robot.mass),
         contacts=contacts,
         python=robot.python,
         grid=Grid(tuple(axes)),
@@ -134,7 +121,10 @@ def parse_recipe(
         wheels=wheels_of(robot, contacts),
         axles=axles_of(robot),
         urdf=urdf if robot.urdf is not None else None,
-        forces=forces_of(robot),
+        forces=tuple(
+            Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
+            for one in robot.force
+        ),
         com_uncertainty=robot.com_uncertainty,
         com_offset=three(robot.com_offset),
         rest_width=robot.rest_width,
@@ -146,7 +136,6 @@ def parse_recipe(
 
 
 def _text(value: str | float | None) -> str | None:
-    """Return a quantity as text, a bare number without a needless ".0"."""
     if value is None:
         return None
     return value.strip() if isinstance(value, str) else repr(value).removesuffix(".0")

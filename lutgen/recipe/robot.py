@@ -6,18 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lutgen.parts import (
-    ZERO,
-    Axle,
-    Contact,
-    Force,
-    Joint,
-    Link,
-    Parameter,
-    Vector,
-    Wheel,
-    to_internal,
-)
+from lutgen.parts import ZERO, Axle, Contact, Joint, Link, Parameter, Vector, Wheel, to_internal
 from lutgen.recipe import schema
 from lutgen.recipe.schema import ANGLE_UNITS, Robot
 from lutgen.vector import Floats
@@ -130,24 +119,9 @@ def wheels_of(robot: Robot, contacts: Sequence[Contact]) -> tuple[Wheel, ...]:
     )
 
 
-def payloads_of(robot: Robot) -> tuple[Link, ...]:
-    """Return a massive link for each payload."""
-    return tuple(
-        Link(one.name, one.link, three(one.position), mass=one.mass) for one in robot.payload
-    )
-
-
 def weighed(links: tuple[Link, ...], mass: float | None) -> tuple[Link, ...]:
     """Return links whose masses add up to `mass` (kg), each by the same factor; None is as is."""
     total = math.fsum(link.mass for link in links)
     if mass is None or total == 0.0:
         return links
     return tuple(replace(link, mass=link.mass * (mass / total)) for link in links)
-
-
-def forces_of(robot: Robot) -> tuple[Force, ...]:
-    """Return what pulls at a robot."""
-    return tuple(
-        Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
-        for one in robot.force
-    )

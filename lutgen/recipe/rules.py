@@ -1,8 +1,4 @@
-"""Rules about several keys of a recipe, and about names: a type cannot say them.
-
-Each function yields the faults of a recipe whose keys have their types.  Those of links and of what
-is on them are in `robot_rules`.
-"""
+"""Rules about several keys of a recipe, and about names, each a generator of faults."""
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

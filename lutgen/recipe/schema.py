@@ -1,8 +1,4 @@
-"""Every key of a recipe, once: its type, unit, interval, meaning and an example.
-
-The parser, the JSON Schema and the tables of the reference come from these models.  Rules
-about several keys are in `rules`.
-"""
+"""Every key of a recipe, once: its type, unit, interval, meaning and an example."""
 
 import math
 from typing import Annotated, Any, Literal
@@ -44,7 +40,6 @@ def _either(kind: type) -> Discriminator:
 
 
 def _in(unit: str) -> Any:
-    """Return what adds a unit to a type."""
     return Field(json_schema_extra={"x-unit": unit})
 
 
@@ -335,15 +330,7 @@ class _Writer(GenerateJsonSchema):
 def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema of recipes, draft 2020-12, as plain lists and dicts.
 
-    Returns
-    -------
-    dict
-        It knows keys, types and intervals.  What keys demand of each other, such as that a name
-        is that of a link, only `parse_recipe` refuses.
-
-    Examples
-    --------
-    >>> recipe_schema()["$defs"]["Robot"]["properties"]["friction"]["examples"]
-    [0.6]
+    It knows keys, types and intervals.  What keys demand of each other, such as that a name is that
+    of a link, only `parse_recipe` refuses.
     """
     return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

@@ -25,9 +25,7 @@ def contact_tolerance_of(recipe: Recipe) -> float:
 def robot_size_of(recipe: Recipe) -> float:
     """Return the size of a robot (length), 0 where every contact is a point at the com.
 
-    It is the greatest distance of a contact's far side from the com, over both ends and the middle
-    of every parameter; of more than six parameters over the ends alone, and of more than ten over
-    the ends of the first ten.
+    It is the greatest distance of a contact's far side from the com over `POSTURES`.
     """
     places = []
     for place, parameter in enumerate(recipe.parameters):

@@ -34,22 +34,12 @@ class Disc(NamedTuple):
 
 
 def snap(recipe: Recipe) -> Recipe:
-    """Return a recipe whose discs agree where they all but agree.
+    """Return a recipe whose discs agree where they all but agree; `snapped` says what has moved.
 
     Discs without a parameter between them whose axes are one line within `contact_tolerance` are
     put on one line; of these, radii that differ by less become their mean; and one between two
     others that stands out of the straight cone between them by no more is made to stand back, so
     that it touches nothing.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        Checked; one given by code is returned as it is.
-
-    Returns
-    -------
-    Recipe
-        `snapped` says what has moved by more than rounding.
     """
     places = _places(recipe.links)
     groups: dict[str, list[Disc]] = {}
@@ -107,7 +97,6 @@ def _lines(discs: Sequence[Disc], tolerance: float) -> list[list[Disc]]:
 
 
 def _apart(disc: Disc, other: Disc) -> float:
-    """Return how far (length) the rims of two discs are off one axle."""
     arm = other.centre - disc.centre
     aside = float(np.linalg.norm(arm - (arm @ disc.axis) * disc.axis))
     radius = max(disc.contact.radius, other.contact.radius)
@@ -115,7 +104,6 @@ def _apart(disc: Disc, other: Disc) -> float:
 
 
 def _agreed(line: Sequence[Disc], tolerance: float) -> list[Contact]:
-    """Return the discs of one line as they agree."""
     signs = np.array([1.0 if disc.axis @ line[0].axis >= 0.0 else -1.0 for disc in line])
     axis = signs @ np.array([disc.axis for disc in line])
     axis /= np.linalg.norm(axis)
@@ -155,7 +143,6 @@ def _behind_the_cone(along: Floats, radii: Floats, k: int, tolerance: float) -> 
 
 
 def _change(before: Contact, after: Contact) -> float:
-    """Return how far (length) a point of a disc has moved at most."""
     away = float(np.linalg.norm(np.subtract(before.position, after.position)))
     lean = float(np.linalg.norm(np.subtract(before.axis or (), after.axis or ())))
     return away + abs(before.radius - after.radius) + before.radius * lean

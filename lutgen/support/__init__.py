@@ -5,7 +5,7 @@ In reading order: `primitive`, `table`, `polygon`, `covered`, `tilting`, `gather
 """
 
 from lutgen.support.covered import STICKS_OUT, lies_within
-from lutgen.support.polygon import measure_polygon, outline, plane_axes
+from lutgen.support.polygon import outline, plane_axes
 from lutgen.support.primitive import (
     AXLE,
     DISC,
@@ -20,7 +20,7 @@ from lutgen.support.primitive import (
     support_height,
 )
 from lutgen.support.region import ON_AXIS, cone_of, seat_under
-from lutgen.support.rolling import arc_between, balances, roll
+from lutgen.support.rolling import arc_between, arrived, roll_over
 from lutgen.support.search import stand
 from lutgen.support.table import (
     ACCEPTED,
@@ -45,7 +45,6 @@ from lutgen.support.table import (
     is_same_rest,
     rests_at,
     robot_size,
-    seat_beyond,
 )
 
 __all__ = [
@@ -75,7 +74,7 @@ __all__ = [
     "Region",
     "acceptance",
     "arc_between",
-    "balances",
+    "arrived",
     "cone_of",
     "edge_after",
     "empty_region",
@@ -83,14 +82,12 @@ __all__ = [
     "is_inner",
     "is_same_rest",
     "lies_within",
-    "measure_polygon",
     "outline",
     "pack",
     "plane_axes",
     "rests_at",
     "robot_size",
-    "roll",
-    "seat_beyond",
+    "roll_over",
     "seat_under",
     "stand",
     "support_contact",

@@ -3,11 +3,11 @@
 import math
 
 from lutgen.jit import njit
-from lutgen.support.gather import ALL, all_touching, facet_at, leave_old_edges_out
+from lutgen.support.gather import facet_at, leave_old_edges_out
 from lutgen.support.polygon import has_bit
-from lutgen.support.primitive import DISC, KIND, POINT, fill_contacts, support_contact
+from lutgen.support.primitive import DISC, KIND, POINT, are_alike, fill_contacts, support_contact
 from lutgen.support.table import EDGES, FACETS, SAME, Region, edge_after, ends_of
-from lutgen.support.tilting import tilt, touching
+from lutgen.support.tilting import Limits, tilt
 from lutgen.vector import (
     Floats,
     Vector,
@@ -64,7 +64,7 @@ def _ends_of_row(primitives: Floats, mask: int, normal: Vector, along_row: Vecto
 
 @njit(bare=True)
 def _roll_over(
-    primitives: Floats, region: Region, pair: Ends, start: Start, limits: tuple[float, float]
+    primitives: Floats, region: Region, pair: Ends, start: Start, limits: Limits
 ) -> tuple[int, bool, Ends]:
     """Roll a plane over a pair of contacts; return the facet beyond, and whether it has grown.
 
@@ -72,13 +72,14 @@ def _roll_over(
     A contact that comes into the row of the pair makes no facet: on the ends of the row the plane
     rolls on.  -1 if there is no facet; and the pair over which the plane came.
     """
-    (mask, normal, ahead), same = start, limits[1]
+    (mask, normal, ahead), same = start, limits.same
+    contacts = region.contacts[:, : primitives.shape[0]]
     beyond, grown, before = -1, False, normal
     for _ in range(primitives.shape[0]):
-        to, found = tilt(primitives, region.contacts, pair, mask, normal, ahead, limits)
+        to, mask, found = tilt(primitives, contacts, pair, mask, normal, ahead, limits)
         if to < 0:
             break
-        beyond, grown = facet_at(primitives, region, found, pair[0], same)
+        beyond, grown = facet_at(primitives, region, found, mask, pair[0], same)
         if beyond >= 0:
             break
         normal = found
@@ -86,22 +87,21 @@ def _roll_over(
             support_contact(primitives, pair[1], normal),
             support_contact(primitives, pair[0], normal),
         )
-        mask = all_touching(primitives, region, normal, pair[0], same) | 1 << to
         pair = _ends_of_row(primitives, mask, normal, arm)
         turned = unit(cross(arm, normal))
         ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
-        fill_contacts(primitives, normal, region.contacts[0])
+        fill_contacts(primitives, normal, contacts[0])
     if normal != before:
-        fill_contacts(primitives, before, region.contacts[0])
+        fill_contacts(primitives, before, contacts[0])
     return beyond, grown, pair
 
 
 @njit(bare=True)
-def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> None:
+def _begin(primitives: Floats, region: Region, limits: Limits) -> None:
     """Find a first facet: lower a skew plane, and tilt it onto a second and a third primitive."""
-    same = limits[1]
+    same = limits.same
     normal, middle = unit(SKEW), (0.0, 0.0, 0.0)
-    contacts = region.contacts
+    contacts = region.contacts[:, : primitives.shape[0]]
     fill_contacts(primitives, normal, contacts[0])
     i, most = 0, -math.inf
     for k in range(primitives.shape[0]):
@@ -114,19 +114,20 @@ def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> N
     if length(across) <= same:
         across = cross(normal, (0.0, 1.0, 0.0))
     across = unit(across)
-    j, level = tilt(primitives, contacts, (i, -1), 1 << i, normal, cross(across, normal), limits)
+    j, mask, level = tilt(
+        primitives, contacts, (i, -1), 1 << i, normal, cross(across, normal), limits
+    )
     if j < 0:
         return
     arm = subtract(support_contact(primitives, j, level), support_contact(primitives, i, level))
     ahead = unit(cross(arm, level))
     for _ in range(2):
         fill_contacts(primitives, level, contacts[0])
-        mask = touching(contacts[0], primitives.shape[0], ALL, level, i, same)
         _roll_over(primitives, region, (i, j), (mask, level, ahead), limits)
         ahead = scale(ahead, -1.0)
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def _edge_between(primitives: Floats, region: Region, f: int, i: int, j: int, same: float) -> int:
     """Return the edge of facet f from the contact of primitive i to that of j, or -1.
 
@@ -140,6 +141,19 @@ def _edge_between(primitives: Floats, region: Region, f: int, i: int, j: int, sa
         if apart <= ONE_CORNER * same:
             return e
     return -1
+
+
+@njit(inline=True, bare=True)
+def _pair_up(region: Region, e: int) -> bool:
+    """Pair an edge with a single one between the same primitives; tell whether there is one."""
+    edge, begin, end = region.edge, region.edge[e].primitive, region.edge[edge_after(region, e)]
+    for twin in range(region.counts[EDGES]):
+        if edge[twin].primitive != end.primitive or edge[twin].facet < 0 or edge[twin].twin >= 0:
+            continue
+        if edge[edge_after(region, twin)].primitive == begin:
+            edge[e].twin, edge[twin].twin = twin, e
+            return True
+    return False
 
 
 @njit(bare=True)
@@ -160,15 +174,19 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
     facet, edge, count = region.facet, region.edge, region.counts
     count[FACETS] = count[EDGES] = 0
     same = SAME * size
-    limits = (highest_of(primitives, steepest), same)
+    rigid = True
+    for i in range(1, primitives.shape[0]):
+        rigid &= are_alike(primitives, 0, i)
+    limits = Limits(highest_of(primitives, steepest), same, rigid)
     _begin(primitives, region, limits)
-    contacts = region.contacts
+    contacts = region.contacts[:, : primitives.shape[0]]
     f = 0
     while f < count[FACETS]:
         normal, first, corners = read3(facet[f].normal), facet[f].first, facet[f].count
         fill_contacts(primitives, normal, contacts[0])
         for e in range(first, first + corners):
-            if edge[e].twin >= 0:
+            # Of points each pair carries on one arc.
+            if edge[e].twin >= 0 or (rigid and _pair_up(region, e)):
                 continue
             i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
             start, stop = ends_of(region, e)

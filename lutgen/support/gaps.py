@@ -10,13 +10,12 @@ import math
 from lutgen.jit import njit
 from lutgen.support.region import add_arc, add_wall
 from lutgen.support.rolling import (
-    Normals,
     Places,
     arc_between,
-    back,
-    balances,
+    arrived,
+    before,
     held_by,
-    roll,
+    roll_over,
     turned,
 )
 from lutgen.support.table import (
@@ -53,16 +52,17 @@ from lutgen.vector import (
 
 # A side is moved this many times the way to where it should be, SIDE_STEPS times at most.
 FURTHER, SIDE_STEPS = 1.05, 4
-Weights = tuple[float, float, float, float, float]
-# Lagrange's weights of five even places at each eighth of the way between the ends.
-LAGRANGE = (
-    (35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0),
+Sines = tuple[float, float, float, float, float]
+# Lagrange's weights of the inner three of five even places, at each eighth of the way, and of the
+# two ends.
+EIGHTHS = (
+    (140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, 35.0 / 128.0, -5.0 / 128.0),
+    (1.0, 0.0, 0.0, 0.0, 0.0),
+    (60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, -5.0 / 128.0, 3.0 / 128.0),
     (0.0, 1.0, 0.0, 0.0, 0.0),
-    (-5.0 / 128.0, 60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, 3.0 / 128.0),
+    (-20.0 / 128.0, 90.0 / 128.0, 60.0 / 128.0, 3.0 / 128.0, -5.0 / 128.0),
     (0.0, 0.0, 1.0, 0.0, 0.0),
-    (3.0 / 128.0, -20.0 / 128.0, 90.0 / 128.0, 60.0 / 128.0, -5.0 / 128.0),
-    (0.0, 0.0, 0.0, 1.0, 0.0),
-    (-5.0 / 128.0, 28.0 / 128.0, -70.0 / 128.0, 140.0 / 128.0, 35.0 / 128.0),
+    (28.0 / 128.0, -70.0 / 128.0, 140.0 / 128.0, -5.0 / 128.0, 35.0 / 128.0),
 )
 
 
@@ -90,7 +90,7 @@ def _landing(
         if here != k:
             normal, other = read3(seat[k].normal), read3(seat[here].normal)
             foot = read3(edge[facet.first].point)
-            g0, g1 = turned(normal, other, g0), turned(normal, other, g1)
+            g0, g1 = turned(normal, other, 0.0, g0), turned(normal, other, 0.0, g1)
             e0 -= dot(foot, subtract(g0, gravity[0]))
             e1 -= dot(foot, subtract(g1, gravity[1]))
         for e in range(facet.first, facet.first + facet.count):
@@ -127,16 +127,28 @@ def _side_wall(first: Places, second: Places, w: float) -> Vector:
     return unit(cross(start, stop))
 
 
+@njit(inline=True, bare=True)
+def _inside(wall: Vector, first: Places, second: Places, w: float) -> Sines:
+    """Return how far the balances w along an arc are inside a wall, at five even places."""
+    return (
+        dot(wall, between(first[0], second[0], w)),
+        dot(wall, between(first[1], second[1], w)),
+        dot(wall, between(first[2], second[2], w)),
+        dot(wall, between(first[3], second[3], w)),
+        dot(wall, between(first[4], second[4], w)),
+    )
+
+
 @njit(bare=True)
 def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
     """Return a side w moved towards the `other` one until the curve of its balances is outside."""
-    curve, sign = balances(first, second, w), 1.0 if other > w else -1.0
-    there, weight = scale(_side_wall(first, second, other), sign), 1.0
+    sign, weight, held = 1.0 if other > w else -1.0, 1.0, w
+    there = _inside(scale(_side_wall(first, second, other), sign), first, second, held)
     for _ in range(SIDE_STEPS):
-        here, share = scale(_side_wall(first, second, w), sign), 0.0
-        for k in range(len(LAGRANGE)):
-            point = _amid(curve, LAGRANGE[k])
-            near, far = dot(here, point), dot(there, point)
+        here = _inside(scale(_side_wall(first, second, w), sign), first, second, held)
+        share = 0.0
+        for k in range(len(EIGHTHS)):
+            near, far = _at_eighth(here, EIGHTHS[k]), _at_eighth(there, EIGHTHS[k])
             if near > 0.0 > far:
                 share = max(share, near / (near - weight * far))
         if share == 0.0:
@@ -147,12 +159,10 @@ def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
 
 
 @njit(inline=True, bare=True)
-def _amid(path: Places, weights: Weights) -> Vector:
-    """Return the sum of five places times their weights."""
-    point = scale(path[0], weights[0])
-    for k in range(1, 5):
-        point = along(point, path[k], weights[k])
-    return point
+def _at_eighth(sines: Sines, weights: Sines) -> float:
+    """Return the polynomial through five even places at an eighth of the way."""
+    inner = weights[0] * sines[1] + weights[1] * sines[2] + weights[2] * sines[3]
+    return inner + weights[3] * sines[0] + weights[4] * sines[4]
 
 
 @njit(bare=True)
@@ -214,18 +224,19 @@ def _add_joint(region: Region, e: int, first: Places, second: Places) -> None:
 
 
 @njit(bare=True)
-def _held(region: Region, e: int, arc: tuple[Normals, Places, Places]) -> tuple[float, float]:
+def _held(
+    region: Region, e: int, normals: Places, first: Places, second: Places
+) -> tuple[float, float]:
     """Return the part [low, high] of an edge from which the robot stays, whichever way it rolls."""
-    normals, first, second = arc
     here, twin = seat_of(region, e), region.edge[e].twin
-    g0, e0 = roll(normals, first, first[0])
-    g1, e1 = roll(normals, second, second[0])
-    low, high = _landing(region, seat_of(region, twin), twin, (g0, g1), (e0, e1))
+    roll = roll_over(normals, first)
+    g0, g1 = arrived(roll, first[0]), arrived(roll, second[0])
+    sunk = dot(roll.sunk, first[0]), dot(roll.sunk, second[0])
+    low, high = _landing(region, seat_of(region, twin), twin, (g0, g1), sunk)
     if not low < high:
         return 1.0, 0.0
-    g0, e0 = roll(back(normals), back(first), first[4])
-    g1, e1 = roll(back(normals), back(second), second[4])
-    w0, w1 = _landing(region, here, e, (g0, g1), (e0, e1))
+    g0, g1 = before(roll, first[4]), before(roll, second[4])
+    w0, w1 = _landing(region, here, e, (g0, g1), (-dot(roll.sunk, g0), -dot(roll.sunk, g1)))
     return max(low, w0), min(high, w1)
 
 
@@ -249,7 +260,7 @@ def _find_gap(primitives: Floats, region: Region, e: int, one: bool, free: bool)
         second = (b, other_way[1], other_way[2], other_way[3], c)
     low, high = 0.0, 1.0
     if not (one or free):
-        low, high = _held(region, e, (path, first, second))
+        low, high = _held(region, e, path, first, second)
     if one and not slit:
         _add_joint(region, e, first, second)
     elif low < high and not slit:

@@ -6,7 +6,7 @@ from lutgen.jit import njit
 from lutgen.support.polygon import corners_of, has_bit
 from lutgen.support.primitive import fill_contacts, support_contact, tangent_plane
 from lutgen.support.table import EDGES, FACETS, Region
-from lutgen.support.tilting import touching
+from lutgen.support.tilting import ALL, touching
 from lutgen.vector import (
     Floats,
     Vector,
@@ -21,8 +21,6 @@ from lutgen.vector import (
 
 # How often a facet that has grown looks for what its new plane touches.
 GATHERS = 2
-# The bits of all primitives.
-ALL = -1
 # Normals of one facet differ by less (rad).
 ONE_NORMAL = 1e-4
 # A corner that stands out of its neighbours' line by less than so many times SAME is none: rounding
@@ -33,9 +31,9 @@ ROW = 10.0
 @njit(bare=True)
 def all_touching(primitives: Floats, region: Region, normal: Vector, i: int, same: float) -> int:
     """Return the bits of all that touch a plane on primitive i."""
-    contacts = region.contacts[1]
+    contacts = region.contacts[1, : primitives.shape[0]]
     fill_contacts(primitives, normal, contacts)
-    return touching(contacts, primitives.shape[0], ALL, normal, i, same)
+    return touching(contacts, ALL, normal, i, same)
 
 
 @njit(bare=True)
@@ -73,7 +71,7 @@ def _bits(mask: int) -> int:
     return count
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def _enter(
     primitives: Floats, region: Region, f: int, normal: Vector, mask: int, same: float
 ) -> bool:
@@ -112,7 +110,7 @@ def forget_edges(region: Region, first: int, corners: int) -> None:
             edge[edge[e].twin].twin = -1
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def _are_one(
     primitives: Floats, region: Region, f: int, normal: Vector, mask: int, same: float
 ) -> bool:
@@ -157,17 +155,17 @@ def _grow(primitives: Floats, region: Region, f: int, mask: int, same: float) ->
         other = 0
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def facet_at(
-    primitives: Floats, region: Region, normal: Vector, i: int, same: float
+    primitives: Floats, region: Region, normal: Vector, mask: int, i: int, same: float
 ) -> tuple[int, bool]:
     """Return the facet with a normal that touches i, known or new, and whether it has grown.
 
-    -1 where its contacts are in a line.  What is within `same` (length) of its plane is in it, and
-    planes that share three contacts which are not in a line are one facet.
+    `mask`: the bits of all that it touches.  -1 where they are in a line.  What is within `same`
+    (length) of its plane is in it, and planes that share three contacts which are not in a line are
+    one facet.
     """
     facet, count = region.facet, region.counts
-    mask = all_touching(primitives, region, normal, i, same)
     if _bits(mask) > 3:
         better, good = _widest_plane(primitives, mask, normal, i, same)
         if good:

@@ -33,8 +33,12 @@ RADIUS, KIND = 6, 7
 # A disc whose axis is within this angle (rad) of the plane's normal lies on its face.
 FACE_ANGLE = 1e-6
 NO_FACE = FACE_ANGLE * FACE_ANGLE
-# Steps of Newton's method: it converges in 4 to 6 wherever a plane is near to the one sought.
-NEWTON = 30
+# Steps of Newton's method: it converges in 4 to 6 wherever a plane is near to the one sought.  The
+# last step (squared) is so short that the next one would be rounding; if two planes are about to be
+# one, half as long as the one before.
+NEWTON, CONVERGED, NEARLY = 30, 1e-18, 1e-16
+# Sine between the axes of two discs that are one.
+ONE_AXLE = 1e-13
 
 
 def pack(
@@ -101,6 +105,18 @@ def sine_to_axle(primitives: Floats, i: int, normal: Vector) -> float:
     return length(cross(axle(primitives, i), normal)) if primitives[i, KIND] == DISC else 1.0
 
 
+@njit(inline=True, bare=True)
+def are_alike(primitives: Floats, i: int, j: int) -> bool:
+    """Tell whether the contacts of two primitives are as far apart on every plane.
+
+    They are points, or of one radius and one axis, if they have any.
+    """
+    if primitives[i, RADIUS] != primitives[j, RADIUS] or primitives[i, KIND] != primitives[j, KIND]:
+        return False
+    apart = cross(axle(primitives, i), axle(primitives, j))
+    return bool(dot(apart, apart) <= ONE_AXLE * ONE_AXLE)
+
+
 @njit(bare=True)
 def tangent_plane(
     primitives: Floats, i: int, j: int, k: int, across: Vector, normal: Vector
@@ -116,12 +132,8 @@ def tangent_plane(
         The unit normal, on the side of `normal`; whether the method converged.
     """
     third = k if k >= 0 else j
-    radius = primitives[i, RADIUS]
-    # Spheres of one radius are points, a radius further out.
-    flat = primitives[i, KIND] != DISC and primitives[j, KIND] != DISC
-    flat = flat and primitives[third, KIND] != DISC
-    flat = flat and primitives[j, RADIUS] == radius and primitives[third, RADIUS] == radius
-    before = 9.0
+    flat = are_alike(primitives, i, j) and are_alike(primitives, i, third)
+    moved = 9.0
     for _ in range(NEWTON):
         origin = support_contact(primitives, i, normal)
         if k >= 0:
@@ -133,7 +145,6 @@ def tangent_plane(
         turned = scale(turned, math.copysign(1.0 / size, dot(turned, normal)))
         change = subtract(turned, normal)
         normal, moved = turned, dot(change, change)
-        if flat or (moved < 1e-18 and (moved < 1e-28 or moved >= before)):
+        if flat or moved < CONVERGED:
             return normal, True
-        before = moved
-    return normal, before < 1e-16
+    return normal, moved < NEARLY

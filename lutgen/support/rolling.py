@@ -1,19 +1,18 @@
 """One roll over one arc, from a rest to the next: gravity on arrival, and the energy set free.
 
-The robot is balanced on two contacts under gravity g.  It rolls; gravity turns along in the body by
-the least rotation between the two normals, and the com sinks by the integral of -contact . dg.
+The robot is balanced on two contacts under gravity g.  It rolls; gravity turns along in the body,
+never about the plane's normal, and the com sinks by the integral of -contact . dg.  Both are linear
+in g.
 """
 
 import math
+from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, tangent_plane
 from lutgen.vector import Floats, Vector, add, along, between, cross, dot, scale, subtract, unit
 
-Normals = tuple[Vector, Vector, Vector, Vector, Vector]
-Places = Normals
-# Where along an arc its contacts are looked at, between its ends.
-SHARES = (0.25, 0.5, 0.75)
+Places = tuple[Vector, Vector, Vector, Vector, Vector]
 # The integral of p dg for quartics through five even places is p_i BOOLE_ij g_j.
 BOOLE = (
     (-945.0 / 1890.0, 1472.0 / 1890.0, -804.0 / 1890.0, 384.0 / 1890.0, -107.0 / 1890.0),
@@ -22,46 +21,82 @@ BOOLE = (
     (-384.0 / 1890.0, 1024.0 / 1890.0, -2112.0 / 1890.0, 0.0, 1472.0 / 1890.0),
     (107.0 / 1890.0, -384.0 / 1890.0, 804.0 / 1890.0, -1472.0 / 1890.0, 945.0 / 1890.0),
 )
+# Of the twist of two short pieces of an arc that of their chords is this part, and of the twist of
+# a piece that of its first half.
+CHORDS, HALF = 0.75, 0.125
+
+
+class Roll(NamedTuple):
+    """A roll from the normal `start` to `stop`.
+
+    `twist`: tan of half the angle (rad) that gravity turns about the normal beyond the least
+    rotation.  The com sinks by sunk . g under the gravity g before the roll.
+    """
+
+    start: Vector
+    stop: Vector
+    twist: float
+    sunk: Vector
 
 
 @njit(inline=True, bare=True)
-def turned(start: Vector, stop: Vector, g: Vector) -> Vector:
-    """Return g after the least rotation from one unit vector to another, not opposite one."""
-    axis = cross(start, stop)
+def turned(start: Vector, stop: Vector, twist: float, g: Vector) -> Vector:
+    """Return g after a rotation from one unit vector to another, not opposite one.
+
+    It is the least one and then one about `stop`; `twist` is tan of half the second's angle (rad).
+    """
+    axis = along(cross(start, stop), add(start, stop), twist)
+    axis = scale(axis, 1.0 / (1.0 + dot(start, stop)))
     moved = cross(axis, g)
-    return along(add(g, moved), cross(axis, moved), 1.0 / (1.0 + dot(start, stop)))
+    return along(g, add(moved, cross(axis, moved)), 2.0 / (1.0 + dot(axis, axis)))
+
+
+@njit(inline=True, bare=True)
+def arrived(roll: Roll, g: Vector) -> Vector:
+    """Return gravity after a roll."""
+    return turned(roll.start, roll.stop, roll.twist, g)
+
+
+@njit(inline=True, bare=True)
+def before(roll: Roll, g: Vector) -> Vector:
+    """Return gravity before a roll after which it is g."""
+    return turned(roll.stop, roll.start, -roll.twist, g)
 
 
 @njit(bare=True)
 def arc_between(
     primitives: Floats, pair: tuple[int, int], normals: tuple[Vector, Vector]
-) -> tuple[Normals, Places, Places]:
+) -> tuple[Places, Places, Places]:
     """Return normals of a plane that rolls over two primitives, and where it touches each of them.
 
-    Five of each: at the beginning, at the end, and at `SHARES` between.
+    Five of each: at even shares of the way between the two normals.
     """
+    first, last = normals
+    middle = _plane_amid(primitives, pair, normals, unit(add(first, last)))
+    # A parabola through the three is near to the planes between.
+    bent = scale(subtract(scale(middle, 2.0), add(first, last)), 0.125)
     path = (
-        normals[0],
-        _plane_amid(primitives, pair, normals, SHARES[0]),
-        _plane_amid(primitives, pair, normals, SHARES[1]),
-        _plane_amid(primitives, pair, normals, SHARES[2]),
-        normals[1],
+        first,
+        _plane_amid(primitives, pair, normals, unit(add(between(first, middle, 0.5), bent))),
+        middle,
+        _plane_amid(primitives, pair, normals, unit(add(between(middle, last, 0.5), bent))),
+        last,
     )
     return path, _touched(primitives, pair[0], path), _touched(primitives, pair[1], path)
 
 
 @njit(bare=True)
 def _plane_amid(
-    primitives: Floats, pair: tuple[int, int], normals: tuple[Vector, Vector], share: float
+    primitives: Floats, pair: tuple[int, int], normals: tuple[Vector, Vector], near: Vector
 ) -> Vector:
-    """Return the normal of a plane on a pair at a share of the way between two normals."""
-    normal, side = unit(between(normals[0], normals[1], share)), subtract(normals[1], normals[0])
-    across = along(side, normal, -dot(side, normal))
-    return tangent_plane(primitives, pair[0], pair[1], -1, across, normal)[0]
+    """Return the normal of a plane on a pair that is near to one between two normals."""
+    side = subtract(normals[1], normals[0])
+    across = along(side, near, -dot(side, near))
+    return tangent_plane(primitives, pair[0], pair[1], -1, across, near)[0]
 
 
 @njit(bare=True)
-def _touched(primitives: Floats, i: int, path: Normals) -> Places:
+def _touched(primitives: Floats, i: int, path: Places) -> Places:
     """Return where five planes touch primitive i."""
     return (
         support_contact(primitives, i, path[0]),
@@ -73,42 +108,29 @@ def _touched(primitives: Floats, i: int, path: Normals) -> Places:
 
 
 @njit(inline=True, bare=True)
-def balances(first: Places, second: Places, w: float) -> Places:
-    """Return where a robot is balanced along an arc, at place w between its two contacts."""
-    return (
-        between(first[0], second[0], w),
-        between(first[1], second[1], w),
-        between(first[2], second[2], w),
-        between(first[3], second[3], w),
-        between(first[4], second[4], w),
-    )
-
-
-@njit(inline=True, bare=True)
-def back(path: Places) -> Places:
-    """Return the arc the other way."""
-    return path[4], path[3], path[2], path[1], path[0]
+def _twist(a: Vector, b: Vector, c: Vector) -> float:
+    """Return tan of half the angle between the least rotations from a to b to c and from a to c."""
+    return dot(a, cross(b, c)) / (1.0 + dot(a, b) + dot(b, c) + dot(c, a))
 
 
 @njit(bare=True)
-def roll(normals: Normals, path: Places, g: Vector) -> tuple[Vector, float]:
-    """Return gravity after a roll, and how far the com has sunk (length).
+def roll_over(normals: Places, places: Places) -> Roll:
+    """Return the roll over an arc, from its normals and from where they touch one primitive.
 
-    Gravity turns from normal to normal, and the sunk height is the integral of -contact . dg, both
-    taken for polynomials through the five places (BOOLE).
+    The sunk height is the integral for polynomials through the five places (BOOLE).  The angle
+    about the normal is the area between the arc and its chord on the sphere.
     """
-    one = turned(normals[0], normals[1], g)
-    two = turned(normals[1], normals[2], one)
-    three = turned(normals[2], normals[3], two)
-    last = turned(normals[3], normals[4], three)
-    sunk = 0.0
-    for k in range(5):
-        w = BOOLE[k]
-        change = scale(g, w[0])
-        change = along(along(change, one, w[1]), two, w[2])
-        change = along(along(change, three, w[3]), last, w[4])
-        sunk -= dot(path[k], change)
-    return last, sunk
+    a, b, c, d, e = normals
+    half, rest = _twist(a, b, c) / CHORDS, _twist(c, d, e) / CHORDS
+    twist = _twist(a, c, e) + half + rest
+    twists = 0.0, HALF * half, half, _twist(a, c, d) + half + HALF * rest, twist
+    sunk = (0.0, 0.0, 0.0)
+    for j in range(5):
+        share = (0.0, 0.0, 0.0)
+        for i in range(5):
+            share = along(share, places[i], BOOLE[i][j])
+        sunk = subtract(sunk, turned(normals[j], a, -twists[j], share))
+    return Roll(a, e, twist, sunk)
 
 
 @njit(inline=True, bare=True)

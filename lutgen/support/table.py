@@ -228,7 +228,7 @@ def seat_beyond(region: Region, e: int) -> int:
     return -1 if twin < 0 else seat_of(region, twin)
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def rests_at(region: Region, e: int) -> tuple[int, int]:
     """Return the rests on both sides of an edge; -1, -1 unless there are two."""
     here, there = seat_of(region, e), seat_beyond(region, e)
@@ -237,14 +237,14 @@ def rests_at(region: Region, e: int) -> tuple[int, int]:
     return here, there
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def is_inner(region: Region, e: int) -> bool:
     """Tell whether an edge lies between two rests of one group."""
     here, there = rests_at(region, e)
     return bool(there >= 0 and region.seat[here].group == region.seat[there].group)
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def is_same_rest(region: Region, here: int, k: int) -> bool:
     """Tell whether an accepted facet is a rest of the group of rest k."""
     seat = region.seat
@@ -257,7 +257,7 @@ def asks_nothing(accept: Acceptance) -> bool:
     return accept.rock_angle == math.inf
 
 
-@njit(bare=True)
+@njit(inline=True, bare=True)
 def is_slit(region: Region, e: int) -> bool:
     """Tell whether an edge and its twin are one line: both contacts stay where they are."""
     a, b = ends_of(region, e)

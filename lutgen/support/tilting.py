@@ -6,6 +6,7 @@ Newton's method finds the plane again after it.
 """
 
 import math
+from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.polygon import has_bit
@@ -18,6 +19,8 @@ from lutgen.support.primitive import (
 )
 from lutgen.vector import Floats, Vector, along, cross, dot, length, row, scale, subtract, unit
 
+# The bits of all primitives.
+ALL = -1
 # Longest step on round primitives (rad), and how many there are at most.
 LONGEST_STEP, MOST_STEPS = 0.5, 60
 # A step that is no use is shortened by this, and given up when it is shorter than that (rad).
@@ -35,14 +38,26 @@ PARALLEL = 1e-6
 REACH = 3.0
 
 
+class Limits(NamedTuple):
+    """Which planes are wanted, and whether the contacts move as one.
+
+    `highest`: the greatest n_z of a plane that is wanted.  `same`: the length that counts as none.
+    `rigid`: whether all primitives are alike, so that planes see them as points.
+    """
+
+    highest: float
+    same: float
+    rigid: bool
+
+
 @njit(bare=True)
-def touching(contacts: Floats, count: int, mask: int, normal: Vector, i: int, slack: float) -> int:
+def touching(contacts: Floats, mask: int, normal: Vector, i: int, slack: float) -> int:
     """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i.
 
-    `contacts`: where each of `count` touches a plane with that normal, of `fill_contacts`.
+    `contacts` (n, 3): where they touch a plane with that normal, of `fill_contacts`.
     """
     level, found = dot(row(contacts, i), normal) - slack, 0
-    for k in range(count):
+    for k in range(contacts.shape[0]):
         if has_bit(mask, k) and dot(row(contacts, k), normal) >= level:
             found |= 1 << k
     return found
@@ -92,38 +107,31 @@ def meets_another(
 
 @njit(bare=True)
 def _first_ahead(
-    contacts: Floats,
-    count: int,
-    i: int,
-    mask: int,
-    normal: Vector,
-    ahead: Vector,
-    least: float,
-) -> tuple[int, float]:
-    """Return the primitive that a plane about i comes to first if none moves, and the angle (rad).
+    contacts: Floats, i: int, mask: int, normal: Vector, ahead: Vector, least: float
+) -> tuple[int, float, float]:
+    """Return the primitive that a plane about i comes to first if none moves.
 
-    `mask`: those that it touches already.  -1 and pi if there is none.
+    And cosine and sine of the angle.  `mask`: those that it touches already.  -1 if there is none.
     """
     origin = row(contacts, i)
     first, lever, depth = -1, -1.0, 0.0
-    for k in range(count):
+    for k in range(contacts.shape[0]):
         if not has_bit(mask, k):
             arm = subtract(row(contacts, k), origin)
             x, y = dot(ahead, arm), max(-dot(normal, arm), least)
             # The one with the greatest cotangent.
             if first < 0 or x * depth > lever * y:
                 first, lever, depth = k, x, y
-    return first, math.atan2(depth, lever)
+    size = math.sqrt(lever * lever + depth * depth)
+    return first, lever / size, depth / size
 
 
 @njit(bare=True)
-def _deepest(
-    contacts: Floats, count: int, pair: tuple[int, int], to: int, normal: Vector, same: float
-) -> int:
+def _deepest(contacts: Floats, pair: tuple[int, int], to: int, normal: Vector, same: float) -> int:
     """Return the primitive that is furthest below a plane, -1 if none is by more than `same`."""
     i, j = pair
     worst, most, level = -1, same, dot(row(contacts, i), normal)
-    for k in range(count):
+    for k in range(contacts.shape[0]):
         if k != i and k != j and k != to:
             below = dot(row(contacts, k), normal) - level
             if below > most:
@@ -139,15 +147,15 @@ def tilt(
     mask: int,
     normal: Vector,
     ahead: Vector,
-    limits: tuple[float, float],
-) -> tuple[int, Vector]:
+    limits: Limits,
+) -> tuple[int, int, Vector]:
     """Tilt a plane towards `ahead` until it touches another primitive.
 
     Parameters
     ----------
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
-    contacts : (3, at least n, 3) float64
+    contacts : (3, n, 3) float64
         Of `fill_contacts`: the first ones are those at `normal`, the others are overwritten.
     pair : tuple of int
         The two that carry; of (i, -1) the plane turns about the line on i across `ahead`.
@@ -155,80 +163,82 @@ def tilt(
         Bits of all that it touches.
     normal, ahead : tuple of float
         Unit vectors: the plane's normal, and where it is tilted to, at a right angle to it.
-    limits : tuple of float
-        The greatest n_z of a plane that is wanted, and the length that counts as none.
+    limits : Limits
+        Which planes are wanted.
 
     Returns
     -------
     tuple
-        The primitive that it comes to, or -1, and the unit normal there.
+        The primitive that it comes to, or -1; and there the bits of all that the plane touches, and
+        its unit normal.
     """
     i, j = pair
-    highest, same = limits
-    count = primitives.shape[0]
+    highest, same, rigid = limits
     left, touched = normal, mask
     across = cross(ahead, normal)
     radius, bent = max(primitives[i, RADIUS], primitives[j, RADIUS]) if j >= 0 else 0.0, False
     for k in range(primitives.shape[0]):
         # What is round touches a plane about a line of points twice.
-        bent |= has_bit(mask, k) and primitives[k, RADIUS] > 0.0
-    step = LONGEST_STEP if bent else 4.0
-    if radius > 0.0:
+        bent |= not rigid and has_bit(mask, k) and primitives[k, RADIUS] > 0.0
+    step = LONGEST_STEP
+    if bent and radius > 0.0:
         # The arc's radius is the distance of the contacts over that of the rim.
         apart = subtract(row(contacts[0], i), row(contacts[0], j))
         step = max(min(step, 0.5 * length(apart) / radius), SHORTEST)
     longest, skipped = step, -1
-    here, there, spare = contacts[0], contacts[1], contacts[2]
+    here, there, spare = contacts[0], contacts[0 if rigid else 1], contacts[2]
     for _ in range(MOST_STEPS):
-        to, angle = _first_ahead(here, count, i, mask, normal, ahead, 1e-3 * same)
-        if angle > step:
+        to, c, s = _first_ahead(here, i, mask, normal, ahead, 1e-3 * same)
+        if bent and (to < 0 or c < math.cos(step)):
             to, angle = -1, step
             if highest < 1.0:
                 room = turn_to(highest, normal, ahead)
-                if room < SHORTEST:
-                    return -1, normal
-                if not meets_another(primitives, here, pair, normal, ahead, room):
-                    return -1, normal
+                if room < SHORTEST or not meets_another(
+                    primitives, here, pair, normal, ahead, room
+                ):
+                    break
                 angle = min(step, room)
-        c, s = math.cos(angle), math.sin(angle)
+            c, s = math.cos(angle), math.sin(angle)
         start = along(scale(normal, c), ahead, s)
         onward = along(scale(ahead, c), normal, -s)
+        if not bent and (to < 0 or start[2] > highest):
+            break
         if to < 0 and j >= 0:
             start, _ = tangent_plane(primitives, i, j, -1, onward, start)
-        if start[2] > highest and not bent:
-            return -1, normal
         good, found, worst = True, start, -1
         for _ in range(TRIES):
             if to >= 0 and j >= 0:
                 found, good = tangent_plane(primitives, i, j, to, across, start)
             elif to >= 0:
                 found, good = tangent_plane(primitives, i, to, -1, across, start)
-            fill_contacts(primitives, found, there)
-            worst = _deepest(there, count, pair, to, found, same)
+            if not rigid:
+                fill_contacts(primitives, found, there)
+            worst = _deepest(there, pair, to, found, same)
             if worst < 0:
                 break
             to = worst
-        if worst >= 0 and _deepest(there, count, pair, to, found, NEARLY * same) < 0:
+        if worst >= 0 and _deepest(there, pair, to, found, NEARLY * same) < 0:
             # Each is below the plane of the other by noise: the facet takes in both.
             worst = -1
         # Three rims may touch two planes: back to the one that is left Newton's method must not go.
         moved = not has_bit(touched, max(to, 0)) or length(subtract(found, left)) > LEFT
         if worst < 0 and to >= 0 and good and moved and dot(found, ahead) > -1e-9:
-            return (to if found[2] <= highest else -1), found
+            touched = touching(there, ALL, found, i, same) | 1 << to
+            return (to if found[2] <= highest else -1), touched, found
         if worst < 0 and to < 0:
             normal, ahead = start, onward
             here, there, spare = there, spare, there
-            mask = touching(here, count, mask, normal, i, same)
+            mask = touching(here, mask, normal, i, same)
             if j >= 0:
                 mask |= 1 << j
                 arm = subtract(row(here, j), row(here, i))
                 turned = unit(cross(arm, normal))
                 ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
         elif bent and step >= SHORTEST:
-            step = SHORTER * min(step, angle)
+            step = SHORTER * min(step, math.acos(c))
         elif bent and to >= 0 and to != skipped:
             # It comes into the row of the pair, and makes no plane with it: there may be another.
             mask, skipped, step = mask | 1 << to, to, longest
         else:
             break
-    return -1, normal
+    return -1, 0, normal

@@ -14,9 +14,8 @@ class Collision:
 
     `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"`` (radius, length
     without the ends; along z), ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its
-    `scale`, neither checked, or the name of any other geometry, with size ().  Of a mesh that was
-    opened there may be ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says
-    how it was found, and on a shape that is not understood, why.
+    `scale`, neither checked, ``"points"`` (x, y, z, x, ...) of a mesh that was opened, or the name
+    of any other geometry, with size ().  `note` says how it was guessed, or why it was not.
     """
 
     kind: str
@@ -55,9 +54,9 @@ class Mimic:
 class UrdfJoint:
     """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
 
-    `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
-    are infinite where the description sets no limit; `effort` is the greatest of its motor, None
-    where it is not said, and `soft` has the limits of a controller.
+    `kind` is one of ``JOINT_KINDS``; `lower` and `upper` (rad or m) are infinite where there is no
+    limit; `effort` is the greatest of its motor, None where it is not said, and `soft` has the
+    limits of a controller.
     """
 
     name: str
@@ -78,9 +77,9 @@ class UrdfJoint:
 class UrdfRobot:
     """A checked description: a tree of links under `root`.
 
-    `links` and `joints` are in the order of the file; `ignored` counts the other children of
-    <robot> by their tag; `rounded` has the angles whose digits were taken for parts of a turn, as
-    they are printed; `unknown` counts elements and attributes that the format does not have.
+    `links` and `joints` are in the order of the file; `ignored` counts other children of <robot>;
+    `rounded` has the angles, as printed, that were taken for parts of a turn; `unknown` counts
+    elements and attributes that the format does not have.
     """
 
     name: str

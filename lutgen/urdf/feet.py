@@ -51,10 +51,9 @@ def wheel_of(
 ) -> Collision | None:
     """Return the cylinder whose rims stand for a wheel, None of a body that is none.
 
-    `points` (n, 3) are the corners of the body's convex hull, `origin` and the unit vector `axis`
-    its joint's, in the link's frame, m.  The radius is the largest of any corner; the ends are
-    where the tread ends, the outermost corners that lie within 0.05 to 2 % of that radius,
-    whichever share makes the rims reach most nearly as far as the body.
+    `points` (n, 3) are its hull's, `origin` and the unit vector `axis` its joint's, in the link's
+    frame, m.  The radius is the largest of any corner; the tread ends at the outermost corners that
+    lie within one of `TREADS` of it, whichever makes the rims reach most nearly as the body does.
     """
     away = points - origin
     along = away @ axis
@@ -89,12 +88,11 @@ def wheel_of(
 
 
 def foot_of(points: Floats, down: Floats) -> Collision:
-    """Return what stands for the lower end of a body.
+    """Return what stands for the lower end of a body, with a note on how far (mm) it is off.
 
-    `points` (n, 3) are the corners of its convex hull, the unit vector `down` leads downwards in
-    the standing posture, in the link's frame, m.  A sphere where the lower end is a ball, a
-    cylinder where it is a disc about an axis of the link, else ``"points"``: the corners of a flat
-    sole, or the lowest corners.  Its note says which, and by how much (mm) it is off.
+    `points` (n, 3) are its hull's, `down` leads downwards, in the link's frame, m.  It is a sphere
+    of a ball, a cylinder of a disc about an axis of the link, else ``"points"``: the corners of a
+    flat sole, or the lowest corners.
     """
     fan = [_ring(down, LEAN * k / RINGS, 8 * k) for k in range(1, RINGS + 1)]
     directions = np.concatenate([down[None], *fan])
@@ -224,5 +222,4 @@ def _ring(direction: Floats, angle: float, count: int = ROUND) -> Floats:
 
 
 def _plain(values: Floats) -> tuple[float, ...]:
-    """Return lengths (n,) as plain numbers, to a micrometre: finer than any mesh is made."""
     return tuple((np.round(values, DIGITS) + 0.0).tolist())

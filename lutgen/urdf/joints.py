@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import parents_first
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
 from lutgen.urdf.xml import LARGEST
@@ -19,10 +19,9 @@ TURNING = ("revolute", "continuous")
 
 @dataclass(frozen=True)
 class Couple:
-    """Joints that one parameter drives: each is scale * parameter + offset.
+    """Joints that one parameter drives, `why`, and scale and offset of each.
 
-    `joints` has scale and offset of each; the first of them stands for the parameter in a Motion.
-    `why` says why they go together.
+    Each is scale * parameter + offset; the first of them stands for the parameter in a Motion.
     """
 
     name: str
@@ -72,10 +71,8 @@ def soft_limited(robot: UrdfRobot) -> UrdfRobot:
         if joint.soft is not None:
             lower, upper = max(joint.lower, joint.soft[0]), min(joint.upper, joint.soft[1])
             if lower > upper:
-                raise RecipeError(
-                    f"{robot.source}: joint {joint.name!r}: its soft limits are beyond its limits "
-                    f"(got {joint.soft}); correct them, or leave --soft-limits out."
-                )
+                what = f"joint {joint.name!r}: its soft limits are beyond its limits"
+                reject(robot.source, what, joint.soft, "correct them, or leave --soft-limits out")
             joint = replace(joint, lower=lower, upper=upper)
         joints.append(joint)
     return replace(robot, joints=tuple(joints))
@@ -87,26 +84,13 @@ def read_motion(
     posture: Mapping[str, float] | None = None,
     couples: Sequence[Couple] = (),
 ) -> Motion:
-    """Sort the joints.
+    """Sort the joints; RecipeError is raised for what cannot be free, or not together.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    chosen : sequence of str, optional
-        The free joints beside those of `couples`; None for all that can be.
-    posture : mapping of str to float, optional
-        Values at rest (rad or m), or the limits nearest to them; 0 for joints that it does not
-        name.  Those of joints that mimic others do not count.
-    couples : sequence of Couple, optional
-        Joints that one parameter drives, each joint at most once.
-
-    Returns
-    -------
-    Motion
-        A parameter of 360 deg or more, or without limits, has -180 to 180 deg; the limits of all
-        joints that it drives, and of those that mimic them, bound it.  RecipeError is raised for
-        what cannot be free, or not together.
+    Free are those `chosen`, or all that can be, beside those of `couples`, each joint at most once.
+    `posture` has values at rest (rad or m), or the limits nearest to them; 0 for joints that it
+    does not name, and nothing for those that mimic others.  A parameter of 360 deg or more, or
+    without limits, has -180 to 180 deg; the limits of all joints that it drives, and of those that
+    mimic them, bound it.
     """
     posture = posture or {}
     leaders = _leaders(robot, couples)
@@ -164,10 +148,9 @@ def _leaders(
         leader, scale, offset = result[mimic.joint]
         scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
         if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
-            raise RecipeError(
-                f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
-                f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
-            )
+            what = f"joint {name!r}: its mimics multiply beyond {LARGEST:g}"
+            got = f"{scale:g} times {leader.name!r} + {offset:g}"
+            reject(robot.source, what, got, "correct them")
         result[name] = leader, scale, offset
     coupled = {name: couple for couple in couples for name in couple.joints}
     for name, (leader, scale, offset) in result.items():
@@ -195,29 +178,23 @@ def _ranges(
 def _check_couples(
     robot: UrdfRobot, couples: Sequence[Couple], ranges: Mapping[str, tuple[float, float]]
 ) -> None:
-    """Refuse couples of joints that turn and that slide, and of joints without a common range."""
     joints = {joint.name: joint for joint in robot.joints}
     for couple in couples:
         moving = [joints[name] for name in couple.joints if name in joints]
         slides = [joint for joint in moving if joint.kind == "prismatic"]
         turns = [joint for joint in moving if joint.kind in TURNING]
         if slides and turns:
-            raise RecipeError(
-                f"{robot.source}: {couple.name!r} drives joints that turn and joints that slide "
-                f"(got {turns[0].name!r}, {turns[0].kind}, and {slides[0].name!r}, prismatic); "
-                "give each kind a parameter."
-            )
+            what = f"{couple.name!r} drives joints that turn and joints that slide"
+            got = f"{turns[0].name!r}, {turns[0].kind}, and {slides[0].name!r}, prismatic"
+            reject(robot.source, what, got, "give each kind a parameter")
         low, high = ranges.get(couple.first, (0.0, 1.0))
         if not low < high and all(joint.lower < joint.upper for joint in moving):
-            raise RecipeError(
-                f"{robot.source}: the limits of {', '.join(couple.joints)} leave {couple.name!r} "
-                f"no range (got {low:g} to {high:g} rad or m); change scales and offsets, or "
-                "separate them."
-            )
+            what = f"the limits of {', '.join(couple.joints)} leave {couple.name!r} no range"
+            got = f"{low:g} to {high:g} rad or m"
+            reject(robot.source, what, got, "change scales and offsets, or separate them")
 
 
 def _alike(joint: UrdfJoint, leader: UrdfJoint) -> bool:
-    """Return whether both turn or both slide."""
     kinds = {joint.kind, leader.kind}
     return kinds == {"prismatic"} or kinds <= {*TURNING}
 
@@ -229,7 +206,6 @@ def _why_held(
     ranges: dict[str, tuple[float, float]],
     chosen: Sequence[str] | None,
 ) -> str | None:
-    """Return why a joint does not move, or None."""
     if joint.kind in ("floating", "planar"):
         return f"is {joint.kind}"
     follows = "" if joint is leader else f"follows {leader.name!r}, which "
@@ -252,7 +228,6 @@ def _why_held(
 def _check_chosen(
     robot: UrdfRobot, chosen: Sequence[str], drives: Mapping[str, Drive], held: Mapping[str, str]
 ) -> None:
-    """Refuse chosen joints that are unknown or cannot be free."""
     joints = {joint.name: joint for joint in robot.joints}
     for name in chosen:
         if name not in joints:
@@ -262,7 +237,5 @@ def _check_chosen(
         mimic = joints[name].mimic
         if mimic is not None or name not in drives or name in held:
             why = f"follows {mimic.joint!r}" if mimic else held.get(name, "is fixed")
-            raise RecipeError(
-                f"{robot.source}: joint {name!r} cannot be a parameter: it {why} "
-                f"(got the type {joints[name].kind}); choose another one."
-            )
+            what = f"joint {name!r} cannot be a parameter: it {why}"
+            reject(robot.source, what, f"the type {joints[name].kind}", "choose another one")

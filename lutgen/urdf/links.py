@@ -1,13 +1,10 @@
-"""The links of a robot description as a recipe has them, and where they are.
-
-One conversion for recipes that name a description and for recipes written from one.
-"""
+"""The links of a robot description as a recipe has them, and where they are."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from lutgen.errors import RecipeError
+from lutgen.errors import reject
 from lutgen.parts import Joint, Link
 from lutgen.rotation import angles, axis_rotation, rotation
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
@@ -32,10 +29,8 @@ def downwards(robot: UrdfRobot) -> list[UrdfJoint]:
 def require_mass(robot: UrdfRobot) -> None:
     """Refuse a description without any mass, whose com is unknown."""
     if not any(link.mass > 0.0 for link in robot.links):
-        raise RecipeError(
-            f"{robot.source}: no link has a mass, so the centre of mass is unknown (got 0 kg); "
-            "give the links an <inertial> with <mass>."
-        )
+        what = "no link has a mass, so the centre of mass is unknown"
+        reject(robot.source, what, "0 kg", "give the links an <inertial> with <mass>")
 
 
 def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
@@ -104,7 +99,6 @@ def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:
 
 
 def _moved(joint: UrdfJoint, value: float) -> Place:
-    """Return the placement of a joint's child in its parent."""
     turn, origin = rotation(joint.rpy), np.array(joint.origin)
     if value == 0.0 or joint.kind in ("fixed", "floating", "planar"):
         return turn, origin

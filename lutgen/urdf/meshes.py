@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from lutgen import bounds
-from lutgen.errors import InputError
+from lutgen.errors import InputError, optional
 from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
 from lutgen.urdf.sources import Sources, quoted
@@ -74,7 +74,6 @@ class Meshes:
 
 
 def _hull(corners: Floats) -> Floats:
-    """Return the corners of a convex hull; of what is flat all."""
     distinct = np.unique(corners, axis=0)
     size = float(np.ptp(distinct, axis=0).max())
     if not math.isfinite(size) or size > LARGEST:
@@ -102,11 +101,10 @@ def _corners(path: Path) -> Floats:
     # An archive, also behind other bytes, unpacks to any size, and XML may define entities.
     if kind == "dae" and (zipfile.is_zipfile(io.BytesIO(raw)) or b"<!DOCTYPE" in raw):
         raise InputError("is an archive or has a document type declaration")
-    try:
-        import collada
-        import trimesh
-    except ImportError:
-        raise InputError("needs a reader of meshes: `pip install lutgen[meshes]`") from None
+    otherwise = "give the contacts with --contact"
+    collada, trimesh = (
+        optional("its reader", name, "lutgen[meshes]", otherwise) for name in ("collada", "trimesh")
+    )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

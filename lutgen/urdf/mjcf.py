@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError
-from lutgen.rotation import angles
+from lutgen.errors import RecipeError, optional, reject
+from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
@@ -48,47 +48,30 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
 
     The robot is the free body with most mass, or else the body of the world with most mass; joints
     between it and the world are left out.  Values of joints count from the model's reference
-    posture (`qpos0`).
-
-    Raises
-    ------
-    InputError
-        Without the package mujoco.
-    RecipeError
-        For a file that MuJoCo refuses, or that has no body with a mass.
+    posture (`qpos0`).  InputError is raised without the package, RecipeError for a file that MuJoCo
+    refuses, or that has no body with a mass.
     """
     source = os.fspath(path)
-    try:
-        import mujoco
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package mujoco to be read (got no such package); install it with "
-            "`pip install lutgen[mjcf]`, or write a URDF."
-        ) from None
+    mujoco = optional(source, "mujoco", "lutgen[mjcf]", "write a URDF")
     before = mujoco.get_mju_user_warning()
     # Else warnings go to a file MUJOCO_LOG.TXT where the command runs.
     mujoco.set_mju_user_warning(lambda text: None)
     try:
         model = mujoco.MjModel.from_xml_path(source)
     except (ValueError, mujoco.FatalError) as error:
-        raise RecipeError(
-            f"{source}: MuJoCo cannot read it (got {quoted(error)}); correct the file."
-        ) from None
+        reject(source, "MuJoCo cannot read it", quoted(error), "correct the file")
     finally:
         mujoco.set_mju_user_warning(before)
     return _Reader(model, source).read()
 
 
 class _Reader:
-    """Reads one compiled model."""
-
     def __init__(self, model: Any, source: str) -> None:
         self.model, self.source = model, source
         self.left_out: Counter[str] = Counter()
         self.meshes: dict[str, Floats] = {}
 
     def read(self) -> Mjcf:
-        """Return the robot."""
         model = self.model
         tops = [b for b in range(1, model.nbody) if model.body_parentid[b] == 0]
         free = [b for b in tops if FREE in self.kinds(b)]
@@ -127,7 +110,6 @@ class _Reader:
         return getattr(self.model, kind)(index).name or f"{kind}_{index}"
 
     def kinds(self, body: int) -> list[int]:
-        """Return the kinds of a body's joints."""
         first = self.model.body_jntadr[body]
         return list(map(int, self.model.jnt_type[first : first + self.model.body_jntnum[body]]))
 
@@ -137,15 +119,14 @@ class _Reader:
         Each hinge turns about its anchor, where the link that it moves has its origin.
         """
         model, above = self.model, int(self.model.body_parentid[body])
-        turn = _matrix(model.body_quat[body])
+        turn = _turn(model.body_quat[body])
         parent, own = self.name("body", above), self.name("body", body)
         # Anchors are in the body's frame, and the parent's link is not at its body's origin.
         at, rpy = model.body_pos[body] - shift[above], angles(turn)
         first, count = model.body_jntadr[body], model.body_jntnum[body]
         if count == 0:
-            return [UrdfJoint(f"{own}_fixed", "fixed", parent, own, as_vector(at), rpy)], np.zeros(
-                3
-            )
+            joint = UrdfJoint(f"{own}_fixed", "fixed", parent, own, as_vector(at), rpy)
+            return [joint], np.zeros(3)
         result, here = [], np.zeros(3)
         for j in range(first, first + count):
             anchor = np.array(model.jnt_pos[j]) if model.jnt_type[j] == HINGE else here
@@ -192,7 +173,6 @@ class _Reader:
         return result
 
     def link(self, body: int, shift: Floats) -> UrdfLink:
-        """Return a body as a link; `shift` is the link's origin in the body's frame."""
         model = self.model
         first = model.body_geomadr[body]
         geoms = range(first, first + model.body_geomnum[body])
@@ -203,9 +183,8 @@ class _Reader:
         return UrdfLink(self.name("body", body), float(model.body_mass[body]), com, shapes, looks)
 
     def shape(self, g: int, shift: Floats) -> Collision:
-        """Return a geom as a collision shape."""
         model, kind = self.model, SHAPES[self.model.geom_type[g]]
-        place = as_vector(model.geom_pos[g] - shift), angles(_matrix(model.geom_quat[g]))
+        place = as_vector(model.geom_pos[g] - shift), angles(_turn(model.geom_quat[g]))
         a, b, c = model.geom_size[g].tolist()
         sizes: dict[str, tuple[float, ...]] = {
             "sphere": (a,),
@@ -223,13 +202,6 @@ class _Reader:
         return Collision(kind, sizes.get(kind, ()), *place, note=note)
 
 
-def _matrix(quaternion: Floats) -> Floats:
-    """Return the rotation (3, 3) of a unit quaternion, w first."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _turn(quaternion: Floats) -> Floats:
+    w, x, y, z = quaternion.tolist()
+    return from_quaternion(x, y, z, w)

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.errors import suggestion
 from lutgen.parts import parents_first
-from lutgen.rotation import angles, axis_rotation
+from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
 from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
@@ -79,7 +79,6 @@ class _Reader(Elements):
         self.unknown: Counter[str] = Counter()
 
     def robot(self, root: Element) -> UrdfRobot:
-        """Read the whole description."""
         self.refuse_xacro(root)
         if root.tag != "robot":
             self.fail("root element", "is not <robot>", root.tag, "give a URDF file")
@@ -139,7 +138,6 @@ class _Reader(Elements):
                 self.check_known(child, where)
 
     def link(self, element: Element) -> UrdfLink:
-        """Read a <link>."""
         name = self.name(element)
         where = f"link {name!r}"
         self.check_known(element, where)
@@ -158,7 +156,6 @@ class _Reader(Elements):
         return UrdfLink(name, value, self.placement(inertial, where)[0], shapes, looks)
 
     def shapes(self, element: Element, tag: str, where: str) -> tuple[Collision, ...]:
-        """Read the shapes of a link."""
         return tuple(
             self.shape(part, where, i)
             for i, part in enumerate(element.iterfind(tag), 1)
@@ -187,7 +184,6 @@ class _Reader(Elements):
         return Collision(kind, size, *placed, note=note)
 
     def joint(self, element: Element) -> UrdfJoint:
-        """Read a <joint>."""
         name = self.name(element)
         where = f"joint {name!r}"
         self.check_known(element, where)
@@ -269,10 +265,7 @@ class _Reader(Elements):
             if "rpy" in origin.attrib or len(values) != 4 or not 0.0 < length <= LARGEST:
                 way_out = "write a quaternion of four numbers, and no rpy beside it"
                 self.fail(where, "<origin> has no turn as quat_xyzw", quat, way_out)
-            x, y, z, w = (value / length for value in values)
-            sine = math.hypot(x, y, z)
-            about = (x / sine, y / sine, z / sine) if sine > 0.0 else (1.0, 0.0, 0.0)
-            return xyz, angles(axis_rotation(about, 2.0 * math.atan2(sine, w)))
+            return xyz, angles(from_quaternion(*values))
         rpy = self.vector(origin, "rpy", where, ZERO)
         if any(rpy):
             rpy, taken = parts_of_turns(origin.attrib["rpy"])
@@ -280,7 +273,6 @@ class _Reader(Elements):
         return xyz, rpy
 
     def unique(self, what: str, names: Iterable[str]) -> None:
-        """Refuse a name that two links or two joints have."""
         for name, count in Counter(names).items():
             if count > 1:
                 self.fail(f"{what} {name!r}", "is given more than once", count, "rename one")

@@ -20,10 +20,9 @@ TOUCHING = ("sphere", "cylinder", "capsule", "points")
 
 
 def used_shapes(link: UrdfLink) -> list[Collision]:
-    """Return the collision shapes that touch the ground, in order of the file.
+    """Return the collision shapes that touch the ground: all but boxes, or else the boxes.
 
-    All but boxes; in a link without others its boxes: a box between the wheels of a track is no
-    further out than they are, where it meets the ground.
+    A box between the wheels of a track is no further out than they are, where it meets the ground.
     """
     shapes = [shape for shape in link.collisions if shape.kind in TOUCHING]
     return shapes or [shape for shape in link.collisions if shape.kind == "box"]
@@ -33,15 +32,12 @@ def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
     """Return the contacts of a link's collision shapes, in its frame (m), in order of the file.
 
     They have the given name, the link's by default; where there are several, the number of the
-    shape and that of the disc, corner or point follow it.  Empty where the link has no sphere,
-    cylinder, box or points.
+    shape and that of the disc, corner or point follow it.
     """
-    shapes = used_shapes(link)
+    shapes, name = used_shapes(link), name or link.name
     result = []
     for i, shape in enumerate(shapes, 1):
-        first = name or link.name
-        if len(shapes) > 1:
-            first += f"_{i}"
+        first = name if len(shapes) == 1 else f"{name}_{i}"
         parts = list(_primitives(shape))
         for k, (position, radius, axis) in enumerate(parts, 1):
             full = first if len(parts) == 1 else f"{first}_{k}"

@@ -14,7 +14,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError
+from lutgen.errors import InputError, RecipeError, optional, reject
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.xml import parse_xml
@@ -40,8 +40,8 @@ class Sources:
     def file(self, name: str) -> Path:
         """Return the file of a path, ``file://``, ``package://`` or ``model://``.
 
-        As it is written, or with its percent signs decoded, or with / for each backslash.
-        InputError is raised where there is none, and names one that differs in case alone.
+        As it is written, or with percent signs decoded, or / for each backslash.  InputError is
+        raised where there is none, and names one that differs in case alone.
         """
         kind, mark, rest = name.partition("://")
         base, inside = self.start, rest if mark else name
@@ -64,10 +64,9 @@ class Sources:
     def package(self, name: str) -> Path | None:
         """Return the folder of a package, None where there is none.
 
-        In this order: the folder that is given for the name, the folders of ROS_PACKAGE_PATH and up
-        to 3 levels below, ``share/NAME`` in the prefixes of AMENT_PREFIX_PATH, then from `start`
-        upwards each folder that is the package, or that holds it.  A folder is the package if it
-        has a package.xml of that name; above `start` also if it is called so.
+        The one that is given for the name, in ROS_PACKAGE_PATH and up to 3 levels below,
+        ``share/NAME`` in AMENT_PREFIX_PATH, then from `start` upwards each folder that is the
+        package, by its package.xml or above `start` by its own name, or that holds it.
         """
         if name in self.named:
             return self.named[name]
@@ -76,7 +75,6 @@ class Sources:
         return next(self._candidates(name), None)
 
     def _candidates(self, name: str) -> Iterator[Path]:
-        """Yield the folders that are the package, the likeliest first."""
         for entry in _entries("ROS_PACKAGE_PATH"):
             for depth in range(DEPTH + 1):
                 files = sorted(entry.glob("*/" * depth + "package.xml"))
@@ -93,7 +91,6 @@ class Sources:
 
 
 def _entries(variable: str) -> list[Path]:
-    """Return the folders of an environment variable."""
     return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 
@@ -128,26 +125,19 @@ def load_xacro(
     """Expand a xacro file and check the description that comes out.
 
     `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
-    values of the file's ``<xacro:arg>``.  InputError is raised without the package xacrodoc, and
-    RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
+    values of ``<xacro:arg>``.  InputError is raised without the package xacrodoc, RecipeError for
+    a package that is not found, what cannot be expanded, and what describes no robot.
     """
     source = os.fspath(path)
     text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
     other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
     if other:
-        raise RecipeError(
-            f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
-            "xacro: before its elements."
-        )
-    try:
-        import xacro
-        from xacrodoc import XacroDoc
-        from xacrodoc import packages as finder
-    except ImportError:
-        raise InputError(
-            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
-            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
-        ) from None
+        what = "binds xacro to another prefix"
+        reject(source, what, f"{other[1]!r}", "write xmlns:xacro, and xacro: before its elements")
+    xacro, xacrodoc, finder = (
+        optional(source, name, "lutgen[xacro]", "expand the file with xacro")
+        for name in ("xacro", "xacrodoc", "xacrodoc.packages")
+    )
     found: dict[str, Path] = dict(packages or {})
     known = Sources(Path(source).parent, found.copy())
     # Which packages are needed shows while the file is expanded: once more for each.
@@ -160,7 +150,7 @@ def load_xacro(
             xacro.init_stacks(str(Path(source).absolute()))
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                document = XacroDoc.from_string(
+                document = xacrodoc.XacroDoc.from_string(
                     text,
                     subargs=dict(arguments or {}),
                     resolve_packages=False,
@@ -177,9 +167,7 @@ def load_xacro(
             while cause is not None and not isinstance(cause, finder.PackageNotFoundError):
                 cause = cause.__context__
             if cause is None:
-                raise RecipeError(
-                    f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
-                ) from None
+                reject(source, "cannot be expanded", quoted(error), "correct the macros")
             missing = str(cause.args[0])
         folder = known.package(missing) if missing not in found else None
         if folder is None:

@@ -1,7 +1,4 @@
-"""Postures of a robot description: named in an SRDF file beside it, or given joint by joint.
-
-Values in rad or m.
-"""
+"""Postures of a description (rad, m): named in an SRDF file beside it, or given joint by joint."""
 
 import math
 import os
@@ -12,9 +9,9 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
-from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.xml import LARGEST, floats, parse_xml
+from lutgen.urdf.xml import Elements, parse_xml
 
 # Names of postures in which robots stand, the likeliest first.
 STANDING = (
@@ -55,38 +52,64 @@ class Srdf:
         return self.postures[name]
 
 
-def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
-    """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
+@dataclass(frozen=True)
+class Standing:
+    """Values of joints (rad, m), where they come from, and sentences on what they leave out."""
 
-    The joints of `robot` count.  RecipeError is raised for a file with any fault, such as a value
-    that is no number of at most 1e12.
+    values: dict[str, float]
+    words: str
+    left_out: tuple[str, ...]
+
+
+def standing_posture(
+    robot: UrdfRobot, srdf: Srdf | None, name: str | None, given: Mapping[str, float]
+) -> Standing:
+    """Return the posture to stand in: the one of that `name`, or the likeliest of the SRDF's.
+
+    The joints that are `given`, rad or m, stand elsewhere, and all others at zero.  InputError is
+    raised for a name without such a posture.
+    """
+    if srdf is None and name is not None:
+        what, got = f"there is no SRDF file beside {robot.source}", f"{name!r}"
+        reject("--posture", what, got, "give one with --srdf, or joints with -p", InputError)
+    values: dict[str, float] = {}
+    words = "joints at zero, or at their limit nearest to it"
+    if srdf is None:
+        words += " (no SRDF file names one)"
+    elif (chosen := srdf.standing() if name is None else name) is not None:
+        values, words = srdf.posture(chosen), f"{chosen} of {Path(srdf.source).name}"
+    else:
+        known = ", ".join(srdf.postures) or "none"
+        words += f" ({Path(srdf.source).name} names none to stand in: {known})"
+    if given:
+        words = f"{', '.join(given)} as given; else {words}"
+    beyond = [j for j in robot.joints if j.name in values and not _within(j, values[j.name])]
+    left_out = tuple(
+        f"joint {joint.name}: at its limit, beyond which the posture is"
+        for joint in beyond
+        if joint.name not in given
+    )
+    return Standing({**values, **given}, words, left_out)
+
+
+def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
+    """Read postures and groups of an SRDF of at most 16 MiB, for the joints of `robot`.
+
+    RecipeError is raised for a file with any fault.
     """
     source = os.fspath(path)
-    root = parse_xml(bounds.read(source, bounds.URDF_BYTES), source)
+    root, read = parse_xml(bounds.read(source, bounds.URDF_BYTES), source), Elements(source)
     if root.tag != "robot":
-        raise RecipeError(
-            f"{source}: root element is not <robot> (got {root.tag!r}); give an SRDF."
-        )
+        read.fail("root element", "is not <robot>", root.tag, "give an SRDF")
     known = {joint.name for joint in robot.joints}
     result: dict[str, dict[str, float]] = {}
     for state in root.iterfind("group_state"):
-        name = state.get("name", "")
-        if not name.strip() or not name.isprintable():
-            raise RecipeError(
-                f"{source}: a <group_state> has no usable name (got {name!r}); name the posture."
-            )
-        values = result.setdefault(name, {})
+        values = result.setdefault(read.name(state), {})
         for element in state.iterfind("joint"):
-            joint, text = element.get("name", ""), element.get("value", "")
-            if joint not in known or len(text.split()) > 1:
-                continue
-            number = floats(text)
-            if not number or not abs(number[0]) <= LARGEST:
-                raise RecipeError(
-                    f"{source}: posture {name!r}: joint {joint!r} has no number as value (got "
-                    f"{text[:60]!r}); write rad, or m."
-                )
-            values[joint] = number[0]
+            joint = element.get("name", "")
+            if joint in known and len(element.get("value", "").split()) <= 1:
+                where = f"posture {state.get('name')!r}: joint {joint!r}"
+                values[joint] = read.number(element, "value", where)
     return Srdf(source, result, joint_groups(root, robot))
 
 
@@ -99,10 +122,7 @@ def srdf_beside(path: str | os.PathLike[str]) -> Path | None:
     file = Path(path)
     stem = file.name.partition(".")[0]
     for folder in (file.parent, file.parent / "srdf", file.parent.parent / "srdf"):
-        try:
-            found = [one for one in sorted(folder.glob("*.srdf")) if one.is_file()]
-        except OSError:
-            continue
+        found = [one for one in sorted(folder.glob("*.srdf")) if one.is_file()]
         fitting = [one for one in found if stem.startswith(one.stem)]
         if fitting:
             return max(fitting, key=lambda one: len(one.stem))
@@ -137,17 +157,7 @@ def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[s
     return result
 
 
-def beyond_limits(robot: UrdfRobot, values: Mapping[str, float]) -> list[str]:
-    """Return the joints whose value lies outside their limits, where they stand at the limit."""
-    return [
-        joint.name
-        for joint in robot.joints
-        if joint.name in values and not _within(joint, values[joint.name])
-    ]
-
-
 def _within(joint: UrdfJoint, value: float) -> bool:
-    """Return whether a joint can take a value, but for rounding."""
     return joint.lower - SAME <= value <= joint.upper + SAME
 
 

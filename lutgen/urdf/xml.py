@@ -10,10 +10,9 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from lutgen import bounds
-from lutgen.errors import RecipeError
+from lutgen.errors import RecipeError, reject
 from lutgen.vector import Vector
 
-MAX_DEPTH = 100
 MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
 LARGEST = float(bounds.MAGNITUDE.most)
@@ -22,41 +21,23 @@ LARGEST = float(bounds.MAGNITUDE.most)
 def parse_xml(content: bytes, source: str) -> Element:
     """Return the root element of XML in an encoding that it declares, UTF-8 otherwise.
 
-    RecipeError is raised for what is not well-formed, for a document type declaration and for
-    elements nested deeper than 100.
+    RecipeError is raised for what is not well-formed and for a document type declaration.
     """
-    builder = TreeBuilder()
-    depth = 0
-
-    def refuse(what: str, got: str, way_out: str) -> NoReturn:
-        line = parser.CurrentLineNumber
-        raise RecipeError(f"{source}: line {line}: {what} (got {got}); {way_out}.")
+    builder, parser = TreeBuilder(), expat.ParserCreate()
 
     def doctype(name: str, *_: object) -> None:
-        refuse("has a document type declaration", f"<!DOCTYPE {name[:40]}", "remove it")
+        what = f"line {parser.CurrentLineNumber}: has a document type declaration"
+        reject(source, what, f"<!DOCTYPE {name[:40]}", "remove it")
 
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > MAX_DEPTH:
-            refuse(f"elements are nested deeper than {MAX_DEPTH}", f"<{tag[:40]}>", "flatten them")
-        builder.start(tag, attributes)
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = doctype
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
     parser.CharacterDataHandler = builder.data
     try:
         parser.Parse(content, True)
+    except RecipeError:
+        raise
     except (expat.ExpatError, LookupError, ValueError) as error:
-        if isinstance(error, RecipeError):
-            raise
         raise RecipeError(f"{source}: is not XML (got {error}); correct that line.") from None
     return builder.close()
 
@@ -71,7 +52,7 @@ class Elements:
         """Refuse an element."""
         shown = repr(got)
         shown = shown if len(shown) <= 80 else shown[:77] + "..."
-        raise RecipeError(f"{self.source}: {where}: {what} (got {shown}); {way_out}.")
+        reject(f"{self.source}: {where}", what, shown, way_out)
 
     def name(self, element: Element) -> str:
         """Return the name of the robot, a link or a joint."""

@@ -65,26 +65,6 @@ def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) 
     assert whole == pytest.approx([min(measure)], abs=1e-8)
 
 
-def by_arc_cosine(start: Floats, stop: Floats, force: Floats) -> float:
-    """Return the measure as the paper writes it."""
-    a = (stop - start) / np.linalg.norm(stop - start)
-    across = np.eye(3) - np.outer(a, a)
-    arm, f = across @ start, across @ force
-    unit = f / np.linalg.norm(f)
-    lever = np.linalg.norm(-arm + (arm @ unit) * unit)
-    sign = math.copysign(1.0, np.cross(arm, f) @ a * -1.0)
-    theta = math.acos(unit @ arm / np.linalg.norm(arm))
-    return float(sign * theta * lever * np.linalg.norm(f))
-
-
-def test_it_equals_the_papers_formula_for_any_axis_and_force() -> None:
-    rng = np.random.default_rng(6)
-    for start, stop, force in rng.normal(size=(500, 3, 3)):
-        expected = by_arc_cosine(start, stop, force)
-        # An arc cosine near 0 or pi loses half of the digits.
-        assert axis_force_angle(start, stop, force) == pytest.approx(expected, rel=1e-7, abs=1e-9)
-
-
 def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation() -> None:
     turns = Rotation.random(200_000, random_state=8).as_matrix()
     corners = np.array([(x, y - 0.7, -1.0) for x, y in CORNERS])

@@ -46,14 +46,6 @@ def test_on_one_polygon_they_are_our_channels_under_any_gravity() -> None:
         assert np.array_equal(rule(corners, down) > 0.0, stands)
 
 
-def test_a_polygon_tips_where_its_robot_of_three_feet_does() -> None:
-    recipe = lutgen.load_recipe("recipe:paper_one")
-    headings = np.radians([0.0, 77.0, 180.0, 250.0])
-    found = compare.asked(recipe, np.radians([20.0]), headings)
-    assert found is not None
-    assert found.polygon == pytest.approx(found.ours, abs=1e-6)
-
-
 def test_an_outline_takes_for_a_leg_what_hangs_in_the_air() -> None:
     recipe = lutgen.load_recipe("recipe:absolem")
     found = compare.asked(recipe, np.radians([0.0, 60.0]), np.radians([180.0]))

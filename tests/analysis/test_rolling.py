@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 import lutgen
-from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.forces import load_corners
 from lutgen.analysis.posture import Posture
@@ -303,21 +302,6 @@ def test_eval_and_metrics_say_whether_it_holds_and_how_it_tips_rolling(tmp_path:
     for limit, said in ((hold_limits, "13.78 deg"), (roll_limits, "14.53 deg")):
         assert f"{math.degrees(limit(posture, [0.0])[0]):.2f} deg" == said
         assert said in page
-
-
-def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
-    figure = plot.draw("polar", parsed(FRONT))
-    lines = {str(line.get_label()): line for line in figure.axes[0].get_lines()}
-    x, y = (np.asarray(part) for part in lines["rolls away"].get_data())
-    around, radius = np.arctan2(-x, y), 90.0 * np.hypot(x, y)
-    assert radius[0] == pytest.approx(math.degrees(math.atan(0.4 / 1.4)), abs=1e-5)
-    assert (radius[np.isfinite(radius)] < math.degrees(math.atan(0.8)) + 1e-5).all()
-    known = np.isfinite(radius)
-    some = np.degrees(roll_limits(Posture(parsed(FRONT), []), around[known][::12]))
-    assert radius[known][::12] == pytest.approx(some, abs=1e-6)
-    sure = 90.0 * np.hypot(*(np.asarray(part) for part in lines["may roll away"].get_data()))
-    assert sure[0] == pytest.approx(np.degrees(hold_limits(Posture(parsed(FRONT), []), [0.0]))[0])
-    assert sure[0] < radius[0] - 0.5
 
 
 def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum() -> None:

@@ -180,19 +180,6 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[in
             np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])
 
 
-@pytest.mark.parametrize("channels", [FAST, CHANNELS], ids=["fast", "margins"])
-@pytest.mark.parametrize("chart", [Chart("cone", 5), Chart("cone", 40), Chart("sphere", 9)])
-def test_values_do_not_depend_on_the_number_of_parts(
-    chart: Chart, channels: tuple[str, ...]
-) -> None:
-    for robots in (random_feet(5, 5, 6), random_wheels(6, 5, 4)):
-        one = rows(robots, chart, LIMITS["default"], channels, parts=1)
-        for parts in (2, 7):
-            other = rows(robots, chart, LIMITS["default"], channels, parts=parts)
-            for name in channels:
-                assert one[name].tobytes() == other[name].tobytes(), (name, parts)
-
-
 @pytest.mark.parametrize("chart", [Chart("cone", 3), Chart("cone", 40), Chart("sphere", 4)])
 def test_values_do_not_depend_on_where_a_postures_rows_are_split(chart: Chart) -> None:
     total = chart.faces * chart.nodes

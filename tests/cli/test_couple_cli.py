@@ -1,7 +1,6 @@
 """`lutgen import --couple`: joints grouped as asked for, or as proposed."""
 
 import shutil
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -146,19 +145,3 @@ def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
         "that are parameters"
     ]
     assert lutgen.load_recipe("many.toml").grid.size == 3**6
-
-
-def test_merged_onto_an_edited_recipe_parameters_and_comments_stay() -> None:
-    pytest.importorskip("tomlkit")
-    options = ("quadruped.urdf", "-o", "q.toml", "--force", "--couple", "auto")
-    good("import", *options)
-    path = Path("q.toml")
-    edited = path.read_text(encoding="utf-8").replace("min = -45.8366236", "min = -30.0  # stop")
-    path.write_text(edited, encoding="utf-8")
-    urdf = Path("quadruped.urdf")
-    heavier = urdf.read_text(encoding="utf-8").replace('value="8"', 'value="9"')
-    urdf.write_text(heavier, encoding="utf-8")
-    report = data("import", *options, "--merge")
-    assert report["changed"] == ["link body: mass was 8.0, is 9.0"]
-    assert path.read_text(encoding="utf-8") == edited.replace("mass = 8.0", "mass = 9.0")
-    assert len(tomllib.loads(edited)["robot"]["parameter"]) == 3

@@ -1,19 +1,14 @@
 """`lutgen eval` of a recipe and of a map: what it prints, in which units, and its exit codes."""
 
-import csv
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import lutgen
-from tests.fixtures.commands import data, good, run, stdout
-from tests.fixtures.places import MAPS, VECTORS
+from tests.fixtures.commands import data, good, keys, run, stdout
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod
 
-A0 = math.degrees(math.atan(0.6))
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
 # Nose down by so much `rocker` rocks, stands on its front wheels, and tips over them.
 SEEN = {"rocks": "0,0,-1", "stands": "0.36,0,-1", "tips": "1.5,0,-1"}
@@ -42,37 +37,6 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def paper_rows() -> Iterator[dict[str, str]]:
-    """Yield the published values of the paper's robot."""
-    lines = (VECTORS / "paper_sdg.csv").read_text(encoding="utf-8").splitlines()
-    yield from csv.DictReader(line for line in lines if not line.startswith("#"))
-
-
-def test_eval_of_the_papers_robot_equals_its_table_in_both_conventions(tmp_path: Path) -> None:
-    wide = tmp_path / "wide.toml"
-    # Some rows are beyond the limits of the recipe.
-    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
-    wide.write_text(text.replace("max = 50.0", "max = 90.0"))
-    recipe = lutgen.load_recipe(wide)
-    rows = list(paper_rows())
-    assert {row["convention"] for row in rows} == {"P", "F"}
-    for row in rows:
-        alpha, gamma = (
-            A0 if row[key] == "A0" else float(row[key]) for key in ("alpha_deg", "gamma_deg")
-        )
-        gravity = "0,0,-1"
-        if row["convention"] == "P":
-            (p1, p2, p3), *_ = lutgen.postures(recipe, np.radians([[alpha, gamma]]))[0]
-            up = np.cross(p2 - p1, p3 - p1)
-            gravity = ",".join(repr(float(-x)) for x in up)
-        point = ("-p", f"alpha={alpha!r}", "-p", f"gamma={gamma!r}", "-g", gravity)
-        report = data("eval", wide, *point)
-        # Half of the last printed digit, which for most rows is far below 1e-6.
-        assert report["sdg"] == pytest.approx(
-            float(row["sdg"]), abs=0.51 * float(row["unit_of_last_digit"])
-        ), row
-
-
 def test_a_recipe_gives_every_channel_the_axis_and_the_forces_in_columns(place: Path) -> None:
     result = good("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
     head, *lines = result.stdout.splitlines()
@@ -88,17 +52,6 @@ def test_a_recipe_gives_every_channel_the_axis_and_the_forces_in_columns(place: 
     assert (tips.exit_code, "tips over" in tips.stdout) == (3, True)
     assert "normal forces" not in tips.stdout
     assert "nan" not in tips.stdout
-
-
-def keys(value: object) -> Iterator[str]:
-    """Yield every key of a JSON value."""
-    if isinstance(value, dict):
-        for key, inside in value.items():
-            yield key
-            yield from keys(inside)
-    elif isinstance(value, list):
-        for inside in value:
-            yield from keys(inside)
 
 
 def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place: Path) -> None:

@@ -144,8 +144,8 @@ def test_a_command_that_is_interrupted_ends_without_a_traceback() -> None:
     subprocess.run([sys.executable, "-c", "import lutgen"], check=True, cwd=ROOT)
     started = 1.5 * (time.monotonic() - begin)
     ends = set()
-    for step in range(part(40)):
-        status, said = interrupted(started + 1.4 * step / part(40))
+    for step in range(part(40, 8)):
+        status, said = interrupted(started + 1.4 * step / part(40, 8))
         assert "Traceback" not in said, said
         # Killed by the signal, aborted, or done before it came.
         assert status in (-signal.SIGINT, 1, 0), said
@@ -165,7 +165,6 @@ def test_an_interrupted_compiler_is_not_waited_for(
     assert time.monotonic() - begin < 20.0
 
 
-@pytest.mark.parametrize("after", [0.3, 1.0])
-def test_in_the_background_of_a_shell_ctrl_c_is_nobody_s(after: float) -> None:
-    status, said = interrupted(after, signal.SIG_IGN)
+def test_in_the_background_of_a_shell_ctrl_c_is_nobody_s() -> None:
+    status, said = interrupted(1.0, signal.SIG_IGN)
     assert status == 0, said

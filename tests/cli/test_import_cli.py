@@ -6,20 +6,17 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import lutgen
-from lutgen.chart import gravity_from_up
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.places import VECTORS
-from tests.fixtures.robots import collision, joint, link, real, robot
+from tests.fixtures.robots import collision, joint, link, robot
 
 ROVER = VECTORS / "rover.urdf"
 
@@ -55,17 +52,6 @@ def test_without_options_wheels_and_the_joints_that_matter_are_found(folder: Pat
         "--package rover=DIR",
     ]
     assert report["guessed"] == []
-
-
-def test_the_recipe_is_complete_for_check_and_sweep(folder: Path) -> None:
-    good("import", "robot.urdf", "-o", "robot.toml")
-    assert "6 contacts" in good("check", "robot.toml")
-    text = Path("robot.toml").read_text(encoding="utf-8")
-    few = text.replace("arms = 37", "arms = 3").replace("lift = 37", "lift = 3")
-    Path("robot.toml").write_text(few.replace("nodes = 33", "nodes = 9"), encoding="utf-8")
-    good("-q", "sweep", "robot.toml", "-o", "robot.h5")
-    level = lutgen.load_map("robot.h5").read([[0.0, 0.3]], [gravity_from_up([0, 0, 1])])
-    assert level["tip_angle"][0] > 0.3
 
 
 def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
@@ -106,26 +92,12 @@ def test_soft_limits_are_taken_when_asked_for(folder: Path) -> None:
     assert (arms.minimum, arms.maximum) == (pytest.approx(-0.1), pytest.approx(0.2))
 
 
-def test_a_name_that_a_terminal_obeys_is_shown_and_not_obeyed(folder: Path) -> None:
-    points = [f"--contact=chassis={x},{y},9" for x, y in ((1, 1), (1, -1), (-1, 0))]
-    command = ["import", "robot.urdf", "-o", "high.toml", "--name", "\x1b[31mred", *points]
-    done = subprocess.run(
-        [sys.executable, "-m", "lutgen", *command], capture_output=True, text=True, check=True
-    )
-    assert "lutgen: \\x1b[31mred: the robot stands in none" in done.stderr
-    assert "\x1b" not in done.stderr + done.stdout
-
-
-def test_a_name_of_its_own_may_be_given(folder: Path) -> None:
-    good("import", "robot.urdf", "-o", "robot.toml", "--name", "crawler")
-    assert lutgen.load_recipe("robot.toml").name == "crawler"
-    assert run("import", "robot.urdf", "-o", "robot.toml", "--name", " ").exit_code == 2
-
-
 def test_given_points_spheres_and_joints_are_used_as_they_are(folder: Path) -> None:
     arguments = ("-c", "left_wheel", "-c", "chassis=0.3,0,-0.1,0.02", "-c", "lens=0,0,1")
-    good("import", "robot.urdf", "-o", "robot.toml", *arguments, "-j", "lift", "-j", "left_axle")
+    chosen = ("-j", "lift", "-j", "left_axle", "--name", "crawler")
+    good("import", "robot.urdf", "-o", "robot.toml", *arguments, *chosen)
     recipe = lutgen.load_recipe("robot.toml")
+    assert recipe.name == "crawler"
     kinds = {contact.name: (contact.kind, contact.link) for contact in recipe.contacts}
     assert kinds == {
         "chassis_P2": ("sphere", "body"),
@@ -241,37 +213,3 @@ def test_without_the_package_one_sentence_says_how_to_get_it(
     result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
     assert result.exit_code == 2
     assert "pip install lutgen[xacro]" in result.stderr
-
-
-@pytest.mark.needs("robots")
-@pytest.mark.parametrize(
-    ("name", "contacts", "parameters"),
-    [
-        # Two rims of two wheels on each track and of two ends of each flipper; every part moves.
-        (
-            "absolem",
-            24,
-            [
-                "left_track_j",
-                *(
-                    f"{end}_{side}_flipper_j"
-                    for end in ("front", "rear")
-                    for side in ("left", "right")
-                ),
-            ],
-        ),
-        # The outer rims of four wheels.
-        ("husky", 4, []),
-    ],
-)
-def test_real_robots_are_imported_without_options(
-    folder: Path, name: str, contacts: int, parameters: list[str]
-) -> None:
-    report = json.loads(good("import", real(name), "-o", "real.toml", "--json"))
-    assert report["parameters"] == parameters
-    assert len(report["contacts"]) == contacts
-    recipe = lutgen.load_recipe("real.toml")
-    good("check", "real.toml")
-    # Level ground, flippers as they are at zero: it stands, by more than 10 deg.
-    level = lutgen.evaluate(recipe, np.zeros((1, len(parameters))), [[0, 0, -1]], ("tip_angle",))
-    assert level["tip_angle"][0, 0] > np.radians(10.0)

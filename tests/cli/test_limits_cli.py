@@ -5,7 +5,6 @@ import re
 from decimal import Decimal
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,54 +19,6 @@ from tests.fixtures.recipes import contact, feet, rigid, tripod
 run = partial(commands.run, "limits")
 good = partial(commands.stdout, "limits")
 data = partial(commands.data, "limits")
-
-
-def four_feet(com: tuple[float, float, float], half: tuple[float, float]) -> str:
-    """Return a rigid robot on the corners of a rectangle on the ground z = -0.07045."""
-    x, y = half
-    body = f'[[robot.link]]\nname = "body"\nmass = 29.36\ncom = {list(com)}\n'
-    ground = [(a * x, b * y, -0.07045) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-    return rigid(body + feet(ground), head="friction = 0.8")
-
-
-@pytest.mark.parametrize(
-    ("com", "half", "published"),
-    [
-        ((-0.0322, -0.0057, 0.0988), (0.2500, 0.2470), (59.04, 52.15, 56.18, 54.95)),
-        ((-0.0322, -0.0057, 0.0892), (0.5743, 0.3139), (75.26, 73.60, 63.46, 62.62)),
-    ],
-    ids=["flippers up", "flippers on the ground"],
-)
-def test_the_published_rectangles_of_absolem_come_out_of_the_command(
-    com: tuple[float, float, float],
-    half: tuple[float, float],
-    published: tuple[float, ...],
-    tmp_path: Path,
-) -> None:
-    path = tmp_path / "rectangle.toml"
-    path.write_text(four_feet(com, half))
-    report = data(path)
-    found = {row["name"]: row["tilt_deg"] for row in report["limits"]}
-    down, up, left, right = published
-    # Printed to 0.01 deg from a com rounded to 0.1 mm.
-    assert found["nose down"] == pytest.approx(down, abs=0.02)
-    assert found["nose up"] == pytest.approx(up, abs=0.02)
-    assert found["left side down"] == pytest.approx(left, abs=0.02)
-    assert found["right side down"] == pytest.approx(right, abs=0.02)
-    assert found["worst heading"] == pytest.approx(min(published), abs=0.02)
-    assert report["guaranteed_tilt_deg"] == pytest.approx(found["worst heading"], abs=1e-9)
-    assert report["friction_angle_deg"] == pytest.approx(math.degrees(math.atan(0.8)))
-    assert all(row["slides_first"] for row in report["limits"])
-    text = good(path)
-    assert f"{math.floor(100.0 * found['nose down']) / 100.0:.2f} deg" in text
-    assert "P1 - P4" in text or "P4 - P1" in text
-
-
-def keys(value: Any) -> set[str]:
-    """Return all keys of a report, at any depth."""
-    if isinstance(value, dict):
-        return set(value).union(*(keys(part) for part in value.values()))
-    return set().union(*map(keys, value)) if isinstance(value, list) else set()
 
 
 def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path: Path) -> None:
@@ -96,7 +47,7 @@ def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_pa
     assert worst["name"] == "worst heading"
     assert worst["least_tilt_deg"] == pytest.approx(np.degrees(swept.guaranteed.min()))
     assert worst["largest_at"]["swing_deg"] == pytest.approx(np.degrees(rows[swept.strongest, 1]))
-    angles = {key for key in keys(report) if re.search("tilt|heading|angle|swing", key)}
+    angles = {key for key in commands.keys(report) if re.search("tilt|heading|angle|swing", key)}
     assert all(key.endswith("_deg") for key in angles)
     assert len(angles) >= 6
 

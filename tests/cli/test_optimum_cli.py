@@ -14,9 +14,6 @@ from tests.fixtures import commands
 from tests.fixtures.places import MAPS, ROOT
 
 TWO = str(MAPS / "paper_two.toml")
-A0 = math.degrees(math.atan(0.6))
-
-
 run = partial(commands.run, "optimum")
 data = partial(commands.data, "optimum")
 
@@ -38,19 +35,6 @@ def test_the_last_node_is_shown_beside_a_better_one_seen_before() -> None:
     last = data(TWO, "--levels", 2)["last"]
     assert last["parameters"]["alpha"]["value_deg"] == pytest.approx(32.0, abs=1e-12)
     assert last["value"] > data(TWO, "--levels", 2)["value"]
-
-
-def test_the_trace_is_printed_when_asked_for() -> None:
-    lines = run(TWO, "--trace", "--convention", "plane").stdout.splitlines()
-    steps = [re.fullmatch(r"step (\d), (\d+) evaluations: alpha (\S+) deg, .*", x) for x in lines]
-    found = [(int(m[1]), int(m[2]), float(m[3])) for m in steps if m]
-    alphas = [30, 32, 31.2, 30.88, 31.008, 30.9568]
-    assert found == [(i, 25 * i, alpha) for i, alpha in enumerate(alphas, 1)]
-    report = data(TWO, "--trace", "--convention", "plane")
-    got = [step["parameters"]["gamma"]["value_deg"] for step in report["trace"]]
-    assert got == pytest.approx(alphas, abs=1e-12)
-    assert report["trace"][1]["value"] == pytest.approx(0.073875445, abs=1e-9)
-    assert "trace" not in data(TWO)
 
 
 def test_the_json_equals_what_python_returns_in_degrees() -> None:

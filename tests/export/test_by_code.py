@@ -8,21 +8,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.certify import Effort, certify
 from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import Effort, certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
-from firmware_export.host import Host
-from firmware_export.protocol import Export, describe
+from firmware_export.protocol import Export
 from firmware_export.truth import slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
+from tests.fixtures.exports import host_of
 from tests.fixtures.linkage import coded
 
 OK, ROCKS, OFF_RANGE = 0, 1, 4
@@ -38,10 +37,6 @@ def export_of(name: str, error: float | None = None) -> Export:
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
     return contacts.INFO.export(model, "robot", EXPORTABLE, spec=spec)
-
-
-def host_of(export: Export) -> Host:
-    return Host(describe(export))
 
 
 def tables_of(export: Export) -> Series:
@@ -119,23 +114,6 @@ def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else() -> None:
     assert export_of("stops").tables.bytes < 120
 
 
-def test_a_kink_is_found_to_a_millionth_and_a_bend_is_cut_in_the_middle() -> None:
-    def line(kink: float, lean: float):  # type: ignore[no-untyped-def]
-        def at(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            offset = lean * np.arange(x.shape[1])
-            return np.stack([np.sin(x), np.maximum(x - kink - offset, 0.0)], axis=-1)
-
-        return at
-
-    assert find_break(0.0, 1.0, 4, line(0.2345, 0.0)) == pytest.approx(0.2345, abs=1e-6)
-    # Nowhere in the stretch, or elsewhere on each line.
-    assert find_break(0.0, 1.0, 4, line(2.0, 0.0)) == 0.5
-    assert find_break(0.0, 1.0, 4, line(0.2, 0.1)) == 0.5
-    assert find_jump(0.0, 1.0, 4, line(0.3, 0.0))[0] < 1e-9
-    height, place = find_jump(0.0, 1.0, 4, lambda x: np.where(x > 0.71, 0.2, 0.0)[..., None])
-    assert (height, place) == (pytest.approx(0.2), pytest.approx(0.71))
-
-
 def test_what_no_series_hold_is_refused_in_one_sentence() -> None:
     for name, reason in (
         ("latched", "jump (by 0.05 where reach is 0.37)"),
@@ -187,15 +165,6 @@ def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range() ->
     assert status.tolist() == [OK] * 3
     np.testing.assert_allclose(reading, reading[:1].repeat(3, axis=0), atol=1e-5)
     assert device(export_of("legs")).read([[0.4, -1.0]], [[0.0, 0.0, -1.0]])[0][0] == OFF_RANGE
-
-
-def test_smaller_errors_take_more_bytes() -> None:
-    model = Model(coded("scissors"))
-    specs = contacts.INFO.sizes(model)
-    assert [spec.error for spec in specs] == [1e-5, 3e-6, 1e-6]
-    sizes = [series_of(model, spec.error * robot_size_of(model.recipe)).bytes for spec in specs]
-    assert sizes == sorted(set(sizes))
-    assert contacts.Spec.of_label(specs[1].label) == specs[1]
 
 
 def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path: Path) -> None:

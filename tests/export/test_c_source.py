@@ -24,14 +24,10 @@ from firmware_export.protocol.array import CArray, literal
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size
-from tests.fixtures.compiled import compile_c
+from tests.fixtures.compiled import STRICT, compile_c
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.recipes import tripod
 
-WARNINGS = [
-    *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion"),
-    "-Werror",
-]
 C99 = ["-std=c99", "-ffp-contract=off"]
 CXX = ["-x", "c++", "-std=c++17", "-ffp-contract=off"]
 COMPILERS = [pytest.param(name, marks=pytest.mark.needs(name)) for name in ("gcc", "clang")]
@@ -84,7 +80,7 @@ def test_every_compiler_takes_every_file_without_a_warning(
     folders: dict[str, Path], language: list[str], compiler: str
 ) -> None:
     for kind in KINDS:
-        done = build(folders[kind], *language, *WARNINGS, compiler=compiler)
+        done = build(folders[kind], *language, *STRICT, compiler=compiler)
         assert (done.returncode, done.stderr) == (0, ""), kind
 
 
@@ -95,7 +91,7 @@ def test_every_family_is_one_program_without_a_warning(
 ) -> None:
     for control in {False, bool(control_file(family))}:
         (tmp_path / "all.c").write_text(size.program(family, control), encoding="utf-8")
-        done = build(tmp_path, *language, *WARNINGS, f"-I{RUNTIME}", compiler="gcc")
+        done = build(tmp_path, *language, *STRICT, f"-I{RUNTIME}", compiler="gcc")
         assert done.returncode == 0, done.stderr
 
 
@@ -183,7 +179,7 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> N
     export = tripod_export("odd")
     robot = replace(export.recipe, name='a */ int x;\n /* 5° \\ "quoted" ??/')
     package.write(replace(export, recipe=robot), tmp_path / "odd")
-    done = build(tmp_path / "odd", *C99, *WARNINGS)
+    done = build(tmp_path / "odd", *C99, *STRICT)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -255,7 +251,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(
         '  printf("%.9g %.9g\\n", (double)FEET_SDG_STEP, (double)FEET_HEIGHT_STEP);\n'
         "  return 0;\n}\n"
     )
-    compile_c([*C99, *WARNINGS, "main.c", "-o", "main"], tmp_path)
+    compile_c([*C99, *STRICT, "main.c", "-o", "main"], tmp_path)
     done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
     *found, last = done.stdout.splitlines()
     # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.  Beyond the lower end steps go on

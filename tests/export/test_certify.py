@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from firmware_export.certify import Certificate, Effort, certify, span_of
-from firmware_export.certify.answers import Read, Reader, truth
-from firmware_export.certify.attack import climb, sdg_error
+from firmware_export.certify.answers import Read, Reader, span_of, truth
+from firmware_export.certify.attack import sdg_error
+from firmware_export.certify.certificate import Certificate, Effort, certify
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth.model import Model
@@ -22,7 +22,7 @@ from tests.fixtures.recipes import feet, rigid, rover, tripod
 TRIPOD = Model(lutgen.parse_recipe(tripod(channels=("sdg", "tip_angle", "height"))))
 ROVER = Model(lutgen.parse_recipe(rover()))
 CHANNELS = ("sdg", "tip_angle", "height")
-POINTS = 10_000
+POINTS = 6_000
 EFFORT = Effort(POINTS, 20, 25)
 GUARD = 1e-4
 # (normalised parameters (n, k), directions (n, 3), exact sdg, tip, height (n, 3)) -> answers (n, 3)
@@ -62,6 +62,16 @@ def certificate(
 def honest_one() -> Certificate:
     """Certify the truth itself, once for all tests."""
     return certificate(honest)
+
+
+def corner(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    near = (np.abs(t - (0.0, 1.0)) < 1e-5).all(axis=1)
+    return true + np.where(near, 2.0 * GUARD, 0.0)[:, None] * [0.0, 1.0, 0.0]
+
+
+def hair(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    # More than the guard by the resolution of a float32.
+    return np.add(true, [0.0, GUARD + 2e-7, 0.0])
 
 
 def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
@@ -111,7 +121,7 @@ def nearest_node(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArra
     return np.stack([exact.sdg[:, 0], exact.tip_angle[:, 0], exact.height[:, 0]], 1)
 
 
-@pytest.mark.parametrize("answer", [constant, nothing, nearest_node])
+@pytest.mark.parametrize("answer", [constant, nothing, nearest_node, corner, hair])
 def test_an_answer_that_does_not_look_is_refused(answer: Answer) -> None:
     found = certificate(answer)
     assert found.false_safe > 0
@@ -155,20 +165,6 @@ def test_a_guard_that_is_too_small_in_a_spot_of_the_box_is_found_by_the_search()
         found.refuse_false_safe("robot")
 
 
-def test_a_false_safe_in_a_corner_of_the_box_is_found() -> None:
-    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
-        near = (np.abs(t - (0.0, 1.0)) < 1e-5).all(axis=1)
-        return true + np.where(near, 2.0 * GUARD, 0.0)[:, None] * [0.0, 1.0, 0.0]
-
-    assert certificate(answer).false_safe > 0
-
-
-def test_a_direction_beyond_the_boundary_by_a_hair_is_found() -> None:
-    # A guard of nothing, and an answer that is too large by the resolution of a float32.
-    found = certificate(lambda t, g, true: true + np.array([0.0, 2e-7, 0.0]), guard=0.0)
-    assert found.false_safe > 0
-
-
 def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
     def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
         far = ((t - (0.333, 0.777)) ** 2).sum(axis=1) + ((g - (0.1, 0.0, -0.995)) ** 2).sum(axis=1)
@@ -182,19 +178,6 @@ def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
     found = certificate(answer).channels["sdg"]["max"]
     assert seen < 0.09
     assert found > 0.098
-
-
-def test_a_climb_stays_in_the_box_and_keeps_the_best_point() -> None:
-    device = Reader(TRIPOD, reader(TRIPOD, honest))
-    params = np.array([TRIPOD.upper, TRIPOD.lower])
-    gravity = np.tile([0.0, 0.0, -1.0], (2, 1))
-    found = climb(device, (params, gravity), lambda one: one.exact.tip_angle, 30, 1)
-    inside = (found.params >= TRIPOD.lower) & (found.params <= TRIPOD.upper)
-    assert inside.all()
-    again = TRIPOD.exact(found.params, found.gravity[:, None]).tip_angle[:, 0]
-    np.testing.assert_allclose(again, found.value, atol=1e-6)  # float32 queries
-    start = TRIPOD.exact(params, gravity[:, None]).tip_angle[:, 0]
-    assert (found.value > start).all()
 
 
 def test_the_stability_factor_jumps_where_the_support_facet_changes_and_nowhere_else() -> None:
@@ -229,14 +212,6 @@ def test_the_bound_is_for_the_largest_error_where_nothing_jumps() -> None:
     error = 0.01 * TRIPOD.exact(*uniform(TRIPOD, 50_000, 77)).sdg
     share = float(np.mean(error[np.isfinite(error)] > 0.005 * sdg["range"]))
     assert found.beyond == pytest.approx(share, abs=0.02)  # two samples of 10,000 points
-
-
-def test_an_absolute_bound_is_in_the_length_unit() -> None:
-    answer: Answer = lambda t, g, true: true + np.array([0.01, 0.0, 0.0])  # noqa: E731
-    assert certificate(answer, bound=ErrorBound(0.011, relative=False)).beyond == 0.0
-    found = certificate(answer, bound=ErrorBound(0.009, relative=False))
-    assert found.beyond == 1.0
-    assert found.error(relative=False) == pytest.approx(0.01, rel=1e-4)
 
 
 def test_the_truth_is_computed_at_the_query_itself() -> None:

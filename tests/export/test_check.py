@@ -123,7 +123,7 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     blob = blob_of(name)
     rng = np.random.default_rng(2)
     cases = [blob.bytes]
-    for _ in range(part(20_000)):
+    for _ in range(part(20_000, 8)):
         content = bytearray(blob.bytes)
         for at in rng.integers(4, len(content), rng.integers(1, 4)):
             content[at] = rng.integers(0, 256)

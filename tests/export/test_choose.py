@@ -2,10 +2,9 @@
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from types import MappingProxyType, SimpleNamespace
-from typing import Any, cast
 
 import pytest
 
@@ -13,7 +12,7 @@ import lutgen
 from firmware_export import choose as chooser
 from firmware_export.choose import Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec, named, usable
-from firmware_export.protocol import Codec, Tables
+from firmware_export.protocol import Tables
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.fits import few_points
@@ -35,16 +34,18 @@ class Spec:
         return f"u{self.bits} {'x'.join(map(str, self.nodes))}"
 
 
-@dataclass
+@dataclass(eq=False)
 class Formula:
     """A codec of multilinear tables whose error is a sum over the axes, and a floor of rounding."""
 
+    name: str = "grid"
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     largest: int = 30
     false_tip: Callable[[Spec], float] = lambda spec: 0.0
     false_safe: Callable[[Spec], int] = lambda spec: 0
+    families = MappingProxyType({"float": "points"})
 
-    def sizes(self) -> list[Spec]:
+    def sizes(self, *_: object) -> list[Spec]:
         """Return sizes, each a node more along the axis that adds most to the error."""
         found = [Spec((3,) * len(self.weights))]
         while max(found[-1].nodes) < self.largest:
@@ -53,6 +54,10 @@ class Formula:
             nodes[parts.index(max(parts))] += 1
             found.append(Spec(tuple(nodes)))
         return found + [replace(one, bits=16) for one in found[-3:]]
+
+    def exact(self, model: object) -> bool:
+        """Others are tried too."""
+        return False
 
     def size(self, spec: Spec) -> int:
         """Bytes of the tables."""
@@ -64,92 +69,53 @@ class Formula:
         return fit + 50.0 / 2**spec.bits
 
 
-class Tabled(Tables):
-    """Tables of which only the size is known."""
-
-    bytes = 0
-
-    def __init__(self, spec: Spec) -> None:
-        self.spec = spec
-
-    def body(self, integer: bool) -> Any:
-        """Nothing is written."""
-
-
-@dataclass(frozen=True, eq=False)
-class Listed:
-    """A codec that lists the sizes of a formula."""
-
-    name: str
-    formula: Formula
-    families = MappingProxyType({"float": "points"})
-
-    def sizes(self, *given: Any) -> list[Spec]:
-        """Return the formula's."""
-        return self.formula.sizes()
-
-    def exact(self, model: Any) -> bool:
-        """Others are tried too."""
-        return False
-
-
 class Paper(Trials):
     """Trials that measure nothing: candidates are what the formula says."""
 
-    def __init__(self, formulas: dict[str, Formula]) -> None:
-        self.formulas, self.tried, self.encoded = formulas, {}, 0
-        self.infos = {name: cast(Codec, Listed(name, one)) for name, one in formulas.items()}
-        self.model = cast(Model, SimpleNamespace(recipe=SimpleNamespace(source="paper.toml")))
-        self.channels, self.arithmetic = ("sdg", "tip_angle"), "float"
+    def __init__(self) -> None:
+        self.tried, self.arithmetic = {}, "float"
+        self.channels = ("sdg", "tip_angle")
+        self.model = SimpleNamespace(recipe=SimpleNamespace(source="paper.toml"))
 
-    def try_out(self, codec: Codec, spec: Any) -> Candidate | None:
+    def try_out(self, codec: Formula, spec: Spec) -> Candidate:
         """Return the formula's candidate."""
         if (codec, spec) not in self.tried:
-            self.encoded += 1
-            formula = self.formulas[codec.name]
-            size = formula.size(spec)
-            export = cast(Any, SimpleNamespace(codec=codec.name, tables=Tabled(spec)))
-            self.tried[codec, spec] = Candidate(
-                export,
-                size,
-                size + CODE,
-                {"sdg": formula.error(spec)},
-                formula.false_tip(spec),
-                formula.false_safe(spec),
-            )
+            size, error = codec.size(spec), {"sdg": codec.error(spec)}
+            export = SimpleNamespace(codec=codec.name, tables=SimpleNamespace(spec=spec))
+            wrong = codec.false_tip(spec), codec.false_safe(spec)
+            self.tried[codec, spec] = Candidate(export, size, size + CODE, error, *wrong)
         return self.tried[codec, spec]
 
 
-def bench(**formulas: Formula) -> Paper:
-    """Return trials of some codecs."""
-    return Paper(formulas)
+def best(formula: Formula, flash: int | None, percent: float | None) -> Candidate:
+    """Return the best candidate of a formula."""
+    return choose(Paper(), [formula], Goal(flash, percent))
 
 
-def best(tool: Trials, names: Sequence[str], goal: Goal) -> Candidate:
-    """Return the best candidate of the codecs with some names."""
-    if isinstance(tool, Paper):
-        return choose(tool, [tool.infos[name] for name in names], goal)
-    found = [one for name in names for one in usable(tool.model, tool.arithmetic, name)]
-    return choose(tool, found, goal)
+def best_grid(trials: Trials, flash: int | None, percent: float | None) -> Candidate:
+    """Return the best candidate of the codec `grid` that holds the robot."""
+    codecs = usable(trials.model, trials.arithmetic, "grid")
+    return choose(trials, codecs, Goal(flash, percent))
 
 
 def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials() -> None:
     for percent in (20.0, 5.0, 2.0, 1.0, 0.3):
-        paper, formula = bench(grid=Formula()), Formula()
-        found = best(paper, ["grid"], Goal(None, percent))
+        paper, formula = Paper(), Formula()
+        found = choose(paper, [formula], Goal(None, percent))
         holding = [one for one in formula.sizes() if formula.error(one) <= percent / 1.3]
         assert found.bytes == min(map(formula.size, holding)), percent
-        assert paper.encoded <= 8
+        assert len(paper.tried) <= 8
 
 
 def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both() -> None:
-    for order in (["contacts", "grid"], ["grid", "contacts"]):
-        paper = bench(contacts=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
-        chosen = best(paper, order, Goal(None, 1.0))
+    codecs = [Formula("contacts", weights=(0.2, 0.05, 0.01)), Formula()]
+    for order in (codecs, codecs[::-1]):
+        paper = Paper()
+        chosen = choose(paper, order, Goal(None, 1.0))
         assert chosen.export.codec == "contacts"
         rows = front(paper, chosen)
         assert [row["label"] for row in rows if row["chosen"]] == [chosen.label]
-        for name in order:
+        for name in ("contacts", "grid"):
             own = [row for row in rows if row["codec"] == name]
             sizes = [row["total_bytes"] for row in own]
             errors = [row["error"] for row in own]
@@ -158,21 +124,14 @@ def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both() -> None:
             assert errors == sorted(errors, reverse=True)
 
 
-def test_the_most_accurate_that_fits_uses_the_flash() -> None:
-    formula = Formula()
-    found = best(bench(grid=formula), ["grid"], Goal(2048 + CODE, None))
-    fitting = [one for one in formula.sizes() if formula.size(one) <= 2048]
-    assert found.error == min(map(formula.error, fitting))
-
-
 def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
-    found = best(bench(grid=Formula()), ["grid"], Goal(10_000, 2.0))
+    found = best(Formula(), 10_000, 2.0)
     assert found.total <= 10_000
     assert found.error <= 2.0 / 1.3
     with pytest.raises(ExportError, match="smallest there is"):  # code counts as flash
-        best(bench(grid=Formula()), ["grid"], Goal(CODE, None))
+        best(Formula(), CODE, None)
     with pytest.raises(ExportError) as caught:
-        best(bench(grid=Formula()), ["grid"], Goal(1050, 2.0))
+        best(Formula(), 1050, 2.0)
     text = str(caught.value)
     assert "\n" not in text
     assert "1,050 bytes of flash and an error of 2 %" in text
@@ -183,7 +142,7 @@ def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
 
 def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
     formula = Formula(false_tip=lambda spec: 2.0 / spec.nodes[2] ** 2)
-    found = best(bench(grid=formula), ["grid"], Goal(None, 5.0))
+    found = best(formula, None, 5.0)
     # At most 5 %: 7 nodes of an axis that the error alone would leave at 3.
     assert found.false_tip <= 0.05
     assert found.export.tables.spec.nodes[2] >= 7
@@ -191,28 +150,27 @@ def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
 
 def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen() -> None:
     formula = Formula(false_tip=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
-    paper = bench(grid=formula)
-    found = best(paper, ["grid"], Goal(None, 5.0))
+    paper = Paper()
+    found = choose(paper, [formula], Goal(None, 5.0))
     holding = [one for one in paper.tried.values() if one and one.error <= 5.0 / 1.3]
     assert found.false_tip == min(one.false_tip for one in holding)
 
 
 def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen() -> None:
     formula = Formula(false_safe=lambda spec: int(spec.bits == 8), largest=10)
-    found = best(bench(grid=formula), ["grid"], Goal(None, 2.0))
+    found = best(formula, None, 2.0)
     assert found.export.tables.spec.bits == 16
     with pytest.raises(ExportError, match="fault of the codec's guard"):
-        best(bench(grid=Formula(false_safe=lambda spec: 1)), ["grid"], Goal(None, 2.0))
+        best(Formula(false_safe=lambda spec: 1), None, 2.0)
 
 
 def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
-    paper = bench(grid=Formula())
-    first = best(paper, ["grid"], Goal(None, 2.0))
-    before = paper.encoded
-    again = best(paper, ["grid"], Goal(None, 2.0))
-    assert again is first
-    assert paper.encoded == before
-    finer = best(paper, ["grid"], Goal(None, 2.0, margin=1.6))
+    paper, formula = Paper(), Formula()
+    first = choose(paper, [formula], Goal(None, 2.0))
+    before = len(paper.tried)
+    assert choose(paper, [formula], Goal(None, 2.0)) is first
+    assert len(paper.tried) == before
+    finer = choose(paper, [formula], Goal(None, 2.0, margin=1.6))
     assert finer.error <= 2.0 / 1.6
     assert finer.bytes > first.bytes
 
@@ -251,23 +209,13 @@ def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(
     wheels: Callable[..., Trials],
 ) -> None:
     bench = wheels("sdg", "tip_angle")
-    goal = Goal(None, 30.0)
-    found = best(bench, ["grid"], goal)
+    found = best_grid(bench, None, 30.0)
     assert len(bench.tried) == 1
-    assert goal.holds(found)
+    assert Goal(None, 30.0).holds(found)
     with pytest.raises(ExportError, match=r"not that accurate \(got p99 .* codec contacts"):
-        best(wheels("sdg", "tip_angle"), ["grid"], Goal(6_000, 0.1))
+        best_grid(wheels("sdg", "tip_angle"), 6_000, 0.1)
     with pytest.raises(ExportError, match="ask for a size of flash alone"):
-        best(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
-
-
-def test_a_flash_that_no_size_fits_is_refused_with_the_smallest_there_is() -> None:
-    # Nothing was tried, and the refusal said that no codec could encode the robot.
-    model = Model(lutgen.parse_recipe(tripod()))
-    bench = Trials(model, "tripod", ("sdg", "tip_angle"), "float")
-    with pytest.raises(ExportError, match=r"got 1 bytes of flash.*bytes is the smallest there is"):
-        best(bench, ["grid"], Goal(1, None))
-    assert len(bench.tried) == 1
+        best_grid(wheels("tip_angle"), None, 1.0)
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once(

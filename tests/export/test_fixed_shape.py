@@ -11,8 +11,7 @@ from firmware_export.emit import package
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
-from tests.export.test_programs import STRICT
-from tests.fixtures.compiled import HostLibrary, compile_c
+from tests.fixtures.compiled import STRICT, HostLibrary, compile_c
 from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import contact, rigid
 

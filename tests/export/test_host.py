@@ -3,8 +3,6 @@
 import csv
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -135,20 +133,6 @@ def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
     path.write_text(path.read_text() + "\n/* changed */\n")
     with pytest.raises(ExportError, match="was built from other files"):
         library.load_library()
-
-
-def test_without_the_library_lutgen_is_imported_and_a_recipe_evaluated(elsewhere: Path) -> None:
-    for path in elsewhere.glob("_host*"):
-        path.unlink()
-    program = (
-        "import sys; from pathlib import Path; import firmware_export.host.library as library; "
-        f"library.RUNTIME = Path({str(elsewhere)!r}); from lutgen.cli import main; "
-        "sys.argv = ['lutgen', 'eval', 'maps/paper_two.toml', '-p', 'alpha=31', '-p', 'gamma=31']; "
-        "main()"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "sdg" in done.stdout
 
 
 # The folder

@@ -1,6 +1,5 @@
 """The licence: in every file of C, and whole in every export."""
 
-import tomllib
 from pathlib import Path
 
 from firmware_export.emit import package
@@ -35,8 +34,3 @@ def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(tmp_pa
     ):
         assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
     assert texts["LICENSE"].read_bytes() == (ROOT / "LICENSE").read_bytes()
-
-
-def test_the_licence_is_part_of_the_package() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    assert "runtime/LICENSE" in project["tool"]["setuptools"]["package-data"]["firmware_export"]

@@ -1,7 +1,6 @@
 """Many contacts in C: what it calls safe against the exact evaluation, with and without float."""
 
 import math
-import re
 import shutil
 
 import numpy as np
@@ -11,7 +10,6 @@ import lutgen
 from lutgen.channels import evaluate_each
 from lutgen.recipe import parse_recipe
 from tests.fixtures.many_library import (
-    RUNTIME,
     Library,
     boundary_points,
     compared,
@@ -38,13 +36,13 @@ def recipe_of(name):
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
-def robot(request, tmp_path_factory):
-    return Library(recipe_of(request.param), tmp_path_factory.mktemp(request.param))
+def robot(request):
+    return Library(recipe_of(request.param))
 
 
-def test_no_boundary_point_that_tips_is_called_safe_with_a_third_of_the_guard(robot, tmp_path):
+def test_no_boundary_point_that_tips_is_called_safe_with_a_third_of_the_guard(robot):
     # Two pairs of flippers alike: the exact definition's pieces lose more there than the guard.
-    tight, rng = Library(robot.recipe, tmp_path, guard=3e-5), np.random.default_rng(9)
+    tight, rng = Library(robot.recipe, guard=3e-5), np.random.default_rng(9)
     params = postures_of(robot.recipe, rng, 80)
     if robot.recipe.name == "marv":
         params[:40] = np.float32(2.8382704) * np.array([1, 1, -1, -1], np.float32)
@@ -54,10 +52,10 @@ def test_no_boundary_point_that_tips_is_called_safe_with_a_third_of_the_guard(ro
 
 
 @pytest.mark.parametrize("name", ["absolem", "marv", "markhor", "articulated", "quadruped"])
-def test_next_to_nothing_of_what_stands_is_lost_and_nothing_gained(name, tmp_path):
+def test_next_to_nothing_of_what_stands_is_lost_and_nothing_gained(name):
     # Evenly random postures and directions, and those of coarse grids a little off.
     recipe = recipe_of(name)
-    robot, rng = Library(recipe, tmp_path), np.random.default_rng(12)
+    robot, rng = Library(recipe), np.random.default_rng(12)
     low = np.array([p.minimum for p in recipe.parameters])
     high = np.array([p.maximum for p in recipe.parameters])
     params = rng.uniform(low, high, (1600, len(low)))
@@ -112,11 +110,11 @@ def nearly_level(name):
 
 
 @pytest.mark.parametrize("name", ["articulated", "quadruped", "steered"])
-def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name, tmp_path):
+def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name):
     # What sensors of a level robot say.
     recipe, params = nearly_level(name)
     g = random_directions(np.random.default_rng(5), len(params) * 40).reshape(-1, 40, 3)
-    found = compared(Library(recipe, tmp_path), params, g.astype(np.float32))
+    found = compared(Library(recipe), params, g.astype(np.float32))
     assert found.stands.mean() > 0.15
     assert (found.stands & ~found.safe).sum() <= 0.002 * found.stands.sum()
     short = np.degrees(found.true - found.told)[found.safe]
@@ -143,10 +141,10 @@ def test_how_far_a_robot_has_tipped_is_never_less_than_the_truth(robot, whole):
 
 
 @pytest.mark.parametrize("scarce", [{"arcs": 3}, {"corners": 4}, {"gaps": 1}], ids=str)
-def test_what_finds_no_room_is_given_up_and_nothing_else(robot, tmp_path, scarce):
+def test_what_finds_no_room_is_given_up_and_nothing_else(robot, scarce):
     rng = np.random.default_rng(7)
     params, g = postures_of(robot.recipe, rng, 120), random_directions(rng, 100)
-    few = Library(robot.recipe, tmp_path, ("-O0",), **scarce)
+    few = Library(robot.recipe, ("-O0",), **scarce)
     whole, got = robot.read(params, g), few.read(params, g)
     safe, could = got["status"] != TIPS, whole["status"] != TIPS
     assert not (safe & ~could).any()
@@ -162,16 +160,6 @@ def test_what_finds_no_room_is_given_up_and_nothing_else(robot, tmp_path, scarce
         assert not failed[0]
         assert safe.any()
         assert "corners" in scarce or failed[1] == (robot.most["gaps"] > 1)
-
-
-def test_every_name_has_the_prefix_and_no_function_is_long():
-    for path in sorted(RUNTIME.glob("smap_*.[ch]")):
-        text = path.read_text()
-        for match in re.finditer(r"^static (?:inline )?[\w *]*?(\w+)\(.*?^\}", text, re.M | re.S):
-            assert match[1].startswith("smap_"), match[1]
-            assert match[0].count("\n") < 60, match[1]
-        names = re.findall(r"^#define (\w+)|^\} (\w+);", text, re.M)
-        assert all(a.startswith("SMAP_") or b.startswith("smap_") for a, b in names)
 
 
 def test_answers_do_not_depend_on_the_unit_of_length(robot):

@@ -62,11 +62,11 @@ def flattest(recipe, params):
 
 
 @pytest.mark.parametrize(("make", "seed"), ROBOTS)
-def test_no_robot_is_told_more_than_the_definition_says(make, seed, tmp_path):
+def test_no_robot_is_told_more_than_the_definition_says(make, seed):
     recipe, rng = make(seed), np.random.default_rng(seed + 1000)
     count = 150 if recipe.parameters else 1
     params = postures_of(recipe, rng, count) if recipe.parameters else np.zeros((1, 0), np.float32)
-    robot = Library(recipe, tmp_path)
+    robot = Library(recipe)
     assert robot.parallel == (make is odd_rails)
     g = near_and_far(recipe, params, rng, 60, 60)
     exact = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
@@ -80,36 +80,36 @@ def test_no_robot_is_told_more_than_the_definition_says(make, seed, tmp_path):
     assert (safe & stands).sum() > (0.0 if seed in (24, 447, 725) else 0.6) * stands.sum()
 
 
-def test_of_a_gap_of_two_parts_only_the_definitions_is_kept(tmp_path):
+def test_of_a_gap_of_two_parts_only_the_definitions_is_kept():
     # One edge lets it go over two parts of the line, and what is between them holds longer than
     # what is left beyond.
     recipe, rng = odd_robot(5105), np.random.default_rng(1)
     params = np.full((60, 1), 2.432524, np.float32)
-    found = compared(Library(recipe, tmp_path), params, boundary_points(recipe, params, rng, 60))
+    found = compared(Library(recipe), params, boundary_points(recipe, params, rng, 60))
     assert (found.told <= found.true).all()
 
 
 @pytest.mark.parametrize(
     ("seed", "angle"), [(5003, 1.917837), (5161, -2.356194), (5225, 2.356194), (5577, -1.904113)]
 )
-def test_of_three_contacts_in_a_row_both_planes_are_found(seed, angle, tmp_path):
+def test_of_three_contacts_in_a_row_both_planes_are_found(seed, angle):
     # Of wheels and balls whose centres are nearly on one line the radii tell how the planes below
     # them lean, and that of their centres is no good begin: whole rests were not found.
     recipe, params = odd_robot(seed), np.full((60, 1), angle, np.float32)
     g = random_directions(np.random.default_rng(1), 3600).reshape(60, 60, 3).astype(np.float32)
-    found = compared(Library(recipe, tmp_path), params, g, MORE)
+    found = compared(Library(recipe), params, g, MORE)
     assert found.clear.mean() > 0.1
     assert found.safe[found.clear].all()
 
 
 @pytest.mark.parametrize(("shape", "seed"), [("ball", 0), ("disc", 5), ("point", 7)])
-def test_six_feet_that_noise_puts_next_to_one_plane_stand_where_they_should(shape, seed, tmp_path):
+def test_six_feet_that_noise_puts_next_to_one_plane_stand_where_they_should(shape, seed):
     # Coordinates with six digits: a foot is within rounding of one plane and not of the next, and
     # of what stood 12 to 46 % was called unsafe where facets of some feet hid that of all.
     recipe, rng = six_feet(shape, seed), np.random.default_rng(5)
     params = postures_of(recipe, rng, 3)
     g = random_directions(rng, 900).reshape(3, 300, 3).astype(np.float32)
-    found = compared(Library(recipe, tmp_path), params, g)
+    found = compared(Library(recipe), params, g)
     assert found.clear.mean() > 0.1
     assert found.safe[found.clear].all()
 
@@ -123,9 +123,9 @@ def test_six_feet_that_noise_puts_next_to_one_plane_stand_where_they_should(shap
         (4029, (2.22512722, -1.87216735, -2.90233254), (0.18634935, 0.68403447, -0.7052452)),
     ],
 )
-def test_directions_that_were_once_told_more_on_rails(seed, params, gravity, tmp_path):
+def test_directions_that_were_once_told_more_on_rails(seed, params, gravity):
     recipe = odd_rails(seed)
-    compared(Library(recipe, tmp_path), np.float32([params]), np.float32([[gravity]]), MORE)
+    compared(Library(recipe), np.float32([params]), np.float32([[gravity]]), MORE)
 
 
 # On the rims of wheels corners that a sliver between two facets once made a rest of, 12 deg above
@@ -134,15 +134,15 @@ BOXED = [(0, 0.0), (28, 0.0), (109, 0.0), (0, 1e-6), (115, 1e-6), (22, 1e-5), (5
 
 
 @pytest.mark.parametrize(("seed", "noise"), BOXED)
-def test_corners_on_the_rims_of_wheels_open_no_axis_and_lose_nothing(seed, noise, tmp_path):
+def test_corners_on_the_rims_of_wheels_open_no_axis_and_lose_nothing(seed, noise):
     recipe, rng = boxed_tracks(seed, noise), np.random.default_rng(seed + 1000)
     params = postures_of(recipe, rng, 60)
-    robot = Library(shown(recipe), tmp_path)
+    robot = Library(shown(recipe))
     found = compared(robot, params, near_and_far(recipe, params, rng, 30, 60), recipe=recipe)
     assert found.safe[found.clear].mean() > (0.998 if noise else 0.98)
 
 
-def test_of_a_wheel_of_two_rims_either_may_be_the_corner_of_a_rest(tmp_path):
+def test_of_a_wheel_of_two_rims_either_may_be_the_corner_of_a_rest():
     # Flippers that are nearly straight down put four pairs of rims next to one plane.  Rounding
     # tells which rim of a pair is a facet's corner, and over the side between both nobody was
     # asked to go: a gap was held 0.07 deg too far.
@@ -152,7 +152,7 @@ def test_of_a_wheel_of_two_rims_either_may_be_the_corner_of_a_rest(tmp_path):
     params = (down * (1.0 - off)).astype(np.float32)
     g = boundary_points(recipe, params, rng, 40, 18)
     # The guard is 1e-4; which of two facets a wedge between rims is of may alter as much again.
-    found = compared(Library(recipe, tmp_path), params, g, 1e-4)
+    found = compared(Library(recipe), params, g, 1e-4)
     assert found.safe[found.stands & (found.true > 1e-3)].mean() > 0.98
 
 
@@ -160,10 +160,10 @@ DRAWN = [car_with_flippers, rocker_bogie, tracks_with_flippers, wheels_on_legs]
 
 
 @pytest.mark.parametrize("make", DRAWN)
-def test_angles_of_robots_on_wide_wheels_are_next_to_the_definitions(make, tmp_path):
+def test_angles_of_robots_on_wide_wheels_are_next_to_the_definitions(make):
     recipe, rng = make(), np.random.default_rng(3)
     params = postures_of(recipe, rng, 150)
-    robot = Library(shown(recipe), tmp_path)
+    robot = Library(shown(recipe))
     found = compared(robot, params, near_and_far(recipe, params, rng, 40, 80), recipe=recipe)
     off = np.degrees(found.true - found.told)[found.stands & found.safe]
     # The guard alone is 0.0057 deg; where a wheel's two rims come between two rests less is held.

@@ -223,18 +223,6 @@ def test_a_link_in_the_place_of_an_export_is_never_followed(
     assert list(victim.iterdir()) == []
 
 
-def test_a_folder_of_somebody_elses_sources_is_refused(export: Export, tmp_path: Path) -> None:
-    (tmp_path / "feet.c").write_text("int main(void) { return 0; }\n")
-    for listed in (
-        '{"files": ["feet.c"]}',
-        '{"lutgen_export": 2, "files": [["feet.c"]], "sha256": {}}',
-    ):
-        (tmp_path / "other_report.json").write_text(listed)
-        with pytest.raises(InputError, match=r"'feet\.c'"):
-            package.write(export, tmp_path)
-    assert (tmp_path / "feet.c").read_text().startswith("int main")
-
-
 def test_a_file_or_a_missing_place_is_refused(export: Export, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     for place, fault in (("file", "is no folder"), ("no/such", "does not exist")):

@@ -11,13 +11,13 @@ import pytest
 
 from firmware_export.contacts import INFO
 from firmware_export.emit import package
-from firmware_export.host import Host
 from firmware_export.host.reader import READING
-from firmware_export.protocol import Export, describe
+from firmware_export.protocol import Export
 from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
-from tests.fixtures.exports import rover_export, tripod_export
+from tests.fixtures.exports import host_of, rover_export, tripod_export
+from tests.fixtures.queries import ODD
 from tests.fixtures.recipes import contact, rigid
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
@@ -26,7 +26,6 @@ MAKERS: dict[str, Any] = {
     "many": rover_export,
     "grid": lambda: tripod_export(codec="grid"),
 }
-ODD = np.array([0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0], "f4")
 
 MAIN = r"""
 #include "tripod.h"
@@ -82,10 +81,6 @@ int main(void)
   return faults;
 }
 """
-
-
-def host_of(export: Export) -> Host:
-    return Host(describe(export))
 
 
 def some(export: Export, count: int, seed: int = 0) -> tuple[Any, Any]:

@@ -134,13 +134,7 @@ def test_braking_leans_gravity_forward_by_the_acceleration_over_g():
         gravito_inertial([0.0, 0.0, -1.0], [0, 0, -STANDARD_GRAVITY])
 
 
-def test_directions_of_extreme_length_are_normalised_without_overflow():
-    units = unit_directions([[3e200, 4e200, 0.0], [0.0, -3e-200, 4e-200]])
-    # One division, one square root, one division.
-    np.testing.assert_allclose(units, [[0.6, 0.8, 0.0], [0.0, -0.6, 0.8]], rtol=0, atol=1e-15)
-
-
-def test_what_is_no_direction_and_no_chart_is_refused_with_what_was_asked():
+def test_what_is_no_direction_is_refused_with_what_was_asked():
     for bad in ([0.0, 0.0, 0.0], [np.nan, 0, 1], [np.inf, 0, 1]):
         for function in (unit_directions, gravity_from_up, SPHERE.locate):
             with pytest.raises(InputError, match=r"longer than 0 \(got \[.*\]\); leave out"):
@@ -149,12 +143,3 @@ def test_what_is_no_direction_and_no_chart_is_refused_with_what_was_asked():
         unit_directions([0.0, 1.0])
     with pytest.raises(InputError, match=r"shape \(m, 3\) \(got \(3,\)\); pass rows"):
         SPHERE.locate([0.0, 0.0, -1.0])
-    for arguments, got in (
-        (("disc", 9), "'disc'"),
-        (("sphere", 1), "1"),
-        (("cone", 0, 1.0), "0"),
-        (("cone", 9, 1.6), "1.6"),
-        (("cone", 9, math.nan), "nan"),
-    ):
-        with pytest.raises(InputError, match=rf"\(got {got}\); .+\."):
-            Chart(*arguments)

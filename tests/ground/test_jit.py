@@ -61,10 +61,10 @@ def test_machine_code_is_kept_until_a_file_with_kernels_changes(house, tmp_path)
     cache = tmp_path / "cache"
     (tmp_path / "copy").mkdir()
     shutil.copytree(house, tmp_path / "copy" / "house")
-    places = (tmp_path, tmp_path, tmp_path / "copy")
-    told = [run(place, OUTER, XDG_CACHE_HOME=cache) for place in places]
-    assert told == ["20.0 0", "20.0 1", "20.0 1"]
     (house / "notes.py").write_text("x = 1\n")
+    told = [run(place, OUTER, XDG_CACHE_HOME=cache) for place in (tmp_path, tmp_path / "copy")]
+    assert told == ["20.0 0", "20.0 1"]
+    (house / "notes.py").write_text("x = 2\n")
     assert run(tmp_path, OUTER, XDG_CACHE_HOME=cache) == "20.0 1"
     (house / "far" / "codec.py").write_text(CALLEE.format(2))
     assert run(tmp_path, OUTER, XDG_CACHE_HOME=cache) == "30.0 0"
@@ -78,16 +78,15 @@ def test_whoever_waits_for_the_compiler_is_told_so_once(house, tmp_path):
     assert told[1] == "20.0 1\n20.0"
 
 
-@pytest.mark.parametrize(("suffix", "share"), [(".nbi", 0), (".nbc", 2)])
-def test_what_is_cut_short_is_compiled_anew(house, tmp_path, suffix, share):
+def test_what_is_cut_short_is_compiled_anew(house, tmp_path):
     cache = tmp_path / "cache"
     run(tmp_path, OUTER, XDG_CACHE_HOME=cache)
-    for path in cache.rglob(f"*{suffix}"):
-        kept = path.read_bytes()
-        path.write_bytes(kept[: len(kept) // share] if share else b"")
-    found = [run(tmp_path, OUTER, XDG_CACHE_HOME=cache) for _ in range(2)]
-    assert found[0].startswith("20.0"), found
-    assert found[1] == "20.0 1"
+    for suffix, share in ((".nbi", 0), (".nbc", 2)):
+        for path in cache.rglob(f"*{suffix}"):
+            kept = path.read_bytes()
+            path.write_bytes(kept[: len(kept) // share] if share else b"")
+        assert run(tmp_path, OUTER, XDG_CACHE_HOME=cache).startswith("20.0")
+    assert run(tmp_path, OUTER, XDG_CACHE_HOME=cache) == "20.0 1"
 
 
 def test_the_folder_is_the_one_that_numba_s_own_variable_names(house, tmp_path):
@@ -170,14 +169,6 @@ def test_all_that_a_kernel_reads_is_in_files_that_the_digest_covers(package):
     assert unseen(ROOT, package) == []
 
 
-def test_a_constant_from_a_file_without_kernels_would_be_found(house, tmp_path):
-    (house / "numbers.py").write_text("STEP = 2\n")
-    path = house / "near" / "codec.py"
-    text = "from house.numbers import STEP\nHALF = STEP / 2\n" + path.read_text()
-    path.write_text(text.replace("10.0 *", "HALF *"))
-    assert unseen(tmp_path, "house") == ["house/near/codec.py reads STEP"]
-
-
 def test_work_is_shared_among_threads():
     before = numba.get_num_threads()
     done = np.zeros(1000)
@@ -207,11 +198,11 @@ def test_an_error_in_a_thread_is_raised_where_the_work_was_asked_for():
 
 def test_kernels_run_as_plain_python_when_the_compiler_is_switched_off(tmp_path):
     code = (
-        "from lutgen.jit import njit, prange\n"
-        "@njit(parallel=True)\n"
+        "from lutgen.jit import njit\n"
+        "@njit()\n"
         "def total(n):\n"
         "    s = 0\n"
-        "    for i in prange(n):\n"
+        "    for i in range(n):\n"
         "        s += i\n"
         "    return s\n"
         "print(total(5), type(total).__name__)"

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 import lutgen
+from lutgen.errors import optional
 
 NAMES = [
     "ExportError",
@@ -54,6 +55,16 @@ def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None
         error = getattr(lutgen, name)
         assert issubclass(error, lutgen.LutgenError)
         assert issubclass(error, builtin)
+
+
+@pytest.mark.parametrize("name", ["trimesh", "mujoco", "xacrodoc", "tomlkit", "xarray"])
+def test_a_package_that_is_not_there_is_named_with_how_to_get_it(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    said = rf"a\.x: needs more packages \(got .*{name}.*\); `pip install b`, or do without\."
+    with pytest.raises(lutgen.InputError, match=said):
+        optional("a.x", name, "b", "do without")
 
 
 def test_importing_lutgen_imports_nothing_heavy() -> None:

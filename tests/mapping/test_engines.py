@@ -169,7 +169,7 @@ def test_a_scheduler_that_is_not_there_and_a_missing_package_are_refused_in_a_se
         assert "\n" not in str(caught.value)
     monkeypatch.delitem(sys.modules, "lutgen.mapping.dask")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"distributed .*lutgen\[cluster\], or use the engine lo"):
+    with pytest.raises(InputError, match=r"distributed .*lutgen\[cluster\]`, or use the engine lo"):
         lutgen.sweep(RECIPE, tmp_path / "a.h5", engine="dask")
     assert list(tmp_path.iterdir()) == []
 

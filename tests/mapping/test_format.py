@@ -1,11 +1,7 @@
 """What is in a map file, for us and for others."""
 
-import builtins
-import subprocess
-import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -122,14 +118,6 @@ def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path: Path, swept: P
     assert (tmp_path / "again.h5").read_bytes() == (swept / "cone.h5").read_bytes()
 
 
-@pytest.mark.needs("h5dump")
-def test_h5dump_prints_the_header_of_a_map(swept: Path) -> None:
-    done = subprocess.run(["h5dump", "-H", swept / "sphere.h5"], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert 'DATASET "tip_angle"' in done.stdout
-    assert "( 4, 3, 6, 5, 5 )" in done.stdout
-
-
 def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:
     data = lutgen.load_map(swept / "cone.h5").to_xarray()
     with xarray.open_dataset(swept / "cone.h5", engine="h5netcdf") as want:
@@ -156,19 +144,3 @@ def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:
     exact = lutgen.evaluate(recipe, params, [[0, 0, -1]], ALL_CHANNELS)
     for name in ALL_CHANNELS:
         assert float(level[name]) == pytest.approx(exact[name][0, 0], rel=1e-6)  # float32
-
-
-def test_without_xarray_a_dataset_is_refused_with_a_way_out(
-    swept: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real = builtins.__import__
-
-    def without(name: str, *rest: Any) -> Any:
-        if name == "xarray":
-            raise ImportError("No module named 'xarray'")
-        return real(name, *rest)
-
-    monkeypatch.delitem(sys.modules, "xarray")
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(InputError, match=r"needs the package xarray .*pip install xarray"):
-        lutgen.load_map(swept / "cone.h5").to_xarray()

@@ -5,28 +5,32 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from lutgen.grid import Axis
-from lutgen.mapping.interpolate import Place, interpolate
+from lutgen.mapping.interpolate import Place, interpolate, locate
+
+Axes = list[NDArray[np.float64]]
 
 
-def random_axes(rng: np.random.Generator, dimensions: int) -> list[Axis]:
-    """Axes with 2 to 5 unequal steps."""
-    return [
-        Axis(f"a{d}", "1", np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0)
-        for d in range(dimensions)
-    ]
+def random_axes(rng: np.random.Generator, dimensions: int) -> Axes:
+    """Knots with 2 to 5 unequal steps."""
+    return [np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0 for _ in range(dimensions)]
 
 
-def random_points(
-    rng: np.random.Generator, axes: list[Axis], count: int = 200
-) -> NDArray[np.float64]:
+def random_points(rng: np.random.Generator, axes: Axes, count: int = 200) -> NDArray[np.float64]:
     """Points (count, d) anywhere between the ends of the axes."""
-    return np.stack([rng.uniform(a.knots[0], a.knots[-1], count) for a in axes], axis=1)
+    return np.stack([rng.uniform(knots[0], knots[-1], count) for knots in axes], axis=1)
 
 
-def located(axes: list[Axis], points: NDArray[np.float64]) -> list[Place]:
+def located(axes: Axes, points: NDArray[np.float64]) -> list[Place]:
     """Return the places of points on all axes."""
-    return [axis.locate(points[:, d])[:2] for d, axis in enumerate(axes)]
+    return [locate(knots, points[:, d]) for d, knots in enumerate(axes)]
+
+
+def test_a_value_has_the_cell_of_the_knot_below_it_and_what_is_beyond_an_end_is_at_it() -> None:
+    knots = np.array([-1.0, 0.0, 0.25, 3.0])
+    index, frac = locate(knots, np.array([*knots, -0.25, 0.125, 1.625, -1.1, np.inf]))
+    assert index.tolist() == [0, 1, 2, 2, 0, 1, 2, 0, 2]
+    assert frac.tolist() == [0.0, 0.0, 0.0, 1.0, 0.75, 0.5, 0.5, 0.0, 1.0]
+    assert locate(knots[:1], knots)[1].tolist() == [0.0] * 4
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
@@ -38,18 +42,18 @@ def test_values_are_interpolated_as_scipy_does_and_nodes_are_returned_bit_for_bi
     values = rng.normal(size=[a.size for a in axes]).astype(np.float32)
     points = random_points(rng, axes)
     got, _ = interpolate(values, located(axes, points))
-    want = RegularGridInterpolator([a.knots for a in axes], values.astype(np.float64))(points)
+    want = RegularGridInterpolator(axes, values.astype(np.float64))(points)
     np.testing.assert_allclose(got, want, atol=1e-13)  # sums of 32 numbers of about 1
     # A node, whatever is around it.
     values[rng.random(values.shape) < 0.3] = np.nan
-    nodes = np.stack(np.meshgrid(*[a.knots for a in axes], indexing="ij"), axis=-1)
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     got, present = interpolate(values, located(axes, nodes.reshape(-1, dimensions)))
     np.testing.assert_array_equal(got, values.ravel().astype(np.float64))
     np.testing.assert_array_equal(present, ~np.isnan(values.ravel()))
 
 
 def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
-    axes = [Axis("v", "1", [0.0, 1.0]), Axis("u", "1", [0.0, 1.0])]
+    axes = [np.array([0.0, 1.0])] * 2
     values = np.array([[1.0, 2.0], [np.nan, 4.0]])
     got, present = interpolate(values, located(axes, np.array([[0.25, 0.5], [1.0, 0.25]])))
     # Weights 3/8, 3/8, (1/8), 1/8 at the first point; only the corner 4 counts at the second.
@@ -59,7 +63,7 @@ def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
 
 
 def test_the_mean_is_nan_only_where_no_corner_is_a_number() -> None:
-    axes = [Axis("u", "1", [0.0, 1.0, 2.0, 3.0])]
+    axes = [np.arange(4.0)]
     values = np.array([5.0, np.nan, np.nan, 7.0])
     points = np.array([[0.0], [0.999], [1.0], [1.5], [2.0], [2.001], [3.0]])
     got, present = interpolate(values, located(axes, points))

@@ -1,12 +1,10 @@
-"""What a sweep survives: every call that fails, every place to die, power cuts, kill -9.
+"""What a sweep survives: every call that fails, every place to die, power cuts.
 
-`make soak` runs more of the last two (LUTGEN_SOAK=1).
+`make soak` runs more power cuts (LUTGEN_SOAK=1).
 """
 
 import errno
 import os
-import signal
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -20,12 +18,11 @@ from lutgen.errors import SweepError
 from lutgen.mapping import part as part_file
 from lutgen.mapping import sweeper
 from lutgen.mapping.compute import Computer
-from tests.fixtures.forks import end, fork
 from tests.fixtures.recipes import tripod
 
 SOAK = "LUTGEN_SOAK" in os.environ
-# 12 postures of 7 x 7 nodes in 12 blocks, two channels.
-TRIPOD, NODES, BLOCKS = lutgen.parse_recipe(tripod()), 49, 12
+# 8 postures of 7 x 7 nodes in 8 blocks, two channels.
+TRIPOD, NODES, BLOCKS = lutgen.parse_recipe(tripod("reach = 4, swing = 2")), 49, 8
 # Everything by which a sweep changes a file, and all of it goes through the module `os`.
 CALLS = ("pwrite", "fsync", "ftruncate", "replace")
 Strike = Callable[..., Any]
@@ -192,36 +189,7 @@ def test_a_power_cut_after_any_call_leaves_a_file_to_go_on_with(path: Path, whol
         assert content == whole, at
         kept += BLOCKS - computed
     # If nothing were ever kept the file would be right as well.
-    assert kept > 90
-
-
-def test_after_kill_9_at_random_moments_every_resumed_file_is_the_same(
-    path: Path, cut: Callable[[int], None]
-) -> None:
-    recipe = lutgen.parse_recipe(tripod("reach = 20, swing = 15", nodes=21))
-    cut(400)
-
-    def start(resume: bool, threads: int) -> int:
-        return fork(lambda: bool(lutgen.sweep(recipe, path, threads, resume)) - 1)
-
-    lutgen.sweep(recipe, path, threads=1)
-    begin = time.perf_counter()
-    assert end(start(False, 1)) == 0
-    takes, whole = time.perf_counter() - begin, path.read_bytes()
-    rng, kills, unfinished = np.random.default_rng(9), 0, 0
-    while kills < (50 if SOAK else 5):
-        path.unlink(missing_ok=True)
-        for resume in (False, True):
-            process = start(resume, 1 + kills % 2)
-            time.sleep(rng.uniform(0.0, takes))
-            os.kill(process, signal.SIGKILL)
-            kills += end(process) == -signal.SIGKILL
-        unfinished += path.with_name("a.h5.part").exists()
-        assert not path.exists() or path.read_bytes() == whole
-        assert end(start(True, 1)) == 0
-        assert path.read_bytes() == whole
-    assert unfinished
-    print(f"{kills} kills, {unfinished} files resumed, all the same")
+    assert kept > 2 * BLOCKS
 
 
 @pytest.mark.parametrize("edit", ["flipped", "cut", "grown", "moved", "zeros"])

@@ -37,6 +37,8 @@ ROW = 1e-8
 # Rests that a shorter turn joins are one; a wheel whose axle is nearer to the normal lies on its
 # face.
 ONE_REST, FACE = 2e-4, math.radians(10.0)
+# Sine by which a convex region may be concave.
+NOISE = 1e-4
 # Longest step (rad) along an arc; a side is a polyline of them, off by at most STEP^2 / 8 = 5e-7.
 STEP = 0.002
 
@@ -76,6 +78,7 @@ class Facet:
     corners: Ints
     points: Floats
     centroid: Floats = field(default_factory=lambda: np.zeros(3))
+    width: float = 0.0
     group: int = -1
     beyond: dict[int, Arc] = field(default_factory=dict)
 
@@ -126,8 +129,8 @@ def rests_of(rows: Floats, limits: Limits) -> list[Facet]:
         after = np.roll(p, -1, 0)
         area = np.cross(p - p[0], after - p[0]) @ f.normal
         f.centroid = area @ (p[0] + p + after) / (3.0 * area.sum())
-        width = np.ptp(p @ unit(np.cross(f.normal, after - p)).T, axis=0).min()
-        if width >= limits.rest_width or limits.rock_angle is None:
+        f.width = np.ptp(p @ unit(np.cross(f.normal, after - p)).T, axis=0).min()
+        if f.width >= limits.rest_width or limits.rock_angle is None:
             found.append(f)
     return found
 
@@ -179,6 +182,12 @@ class Standing:
             for w in arc.held:
                 sides += pairwise(arc.p + w * (arc.q - arc.p))
         self.sides = np.array(sides).reshape(-1, 2, 3)
+        # A region is convex if no corner is outside a plane by more than noise may make it.
+        self.walls = unit(np.cross(*self.sides.swapaxes(0, 1)))
+        corners = unit(np.concatenate([np.zeros((0, 3)), *(f.points for f in self.rests)]))
+        apart = any(here.group != arc.to.group for here, arc in self.gaps)
+        inside = (corners @ self.walls.T >= -NOISE).all()
+        self.convex = bool(len(self.rests) and len(self.sides) and inside and not apart)
 
     def _link(self, least: float) -> None:
         """Find the arcs between rests with at least this cosine, and number the groups."""
@@ -275,8 +284,12 @@ class Standing:
         flat = abs(np.arcsin(np.clip(g @ m.T, -1.0, 1.0)))
         return np.asarray(np.where(beside, flat, ends).min(1, initial=math.pi))
 
-    def read(self, g: Floats) -> tuple[Ints, Floats, Floats, Floats]:
-        """Return status, tip_angle, sdg and height of unit directions (m, 3)."""
+    def read(self, g: Floats) -> tuple[Ints, Floats, Floats, Floats, Floats]:
+        """Return status, tip_angle, sdg, height and lever of unit directions (m, 3).
+
+        Planes that differ by d at the corners of a rest differ by d * lever where g pierces them,
+        along g, and at the com's foot, which is less than 1 outside the rest.
+        """
         status, seat = np.full(len(g), TIPS), np.full(len(g), -1)
         for here, arc in self.gaps:
             inside, two = self.in_gap(arc, g), [here, arc.to]
@@ -289,9 +302,14 @@ class Standing:
             status[inside], seat[inside] = STANDS, k
         stands = status != TIPS
         tip = self.distance(g) * np.where(stands, 1.0, -1.0)
-        sdg, height = np.full((2, len(g)), math.nan)
+        if self.convex:
+            tip = np.arcsin(np.clip((g @ self.walls.T).min(1), -1.0, 1.0))
+        tip = np.where(stands, np.maximum(tip, 0.0), np.minimum(tip, 0.0))
+        sdg, height, lever = np.full((3, len(g)), math.nan)
         for k, f in enumerate(self.rests):
             mine = seat == k
             height[mine] = f.height
-            sdg[mine] = norm(g[mine] * f.height / (g[mine] @ f.normal)[:, None] - f.centroid)
-        return status, tip, sdg, height
+            cosine = g[mine] @ f.normal
+            sdg[mine] = norm(g[mine] * f.height / cosine[:, None] - f.centroid)
+            lever[mine] = np.maximum(1.0 / cosine, 1.0 + 2.0 * self.size / f.width)
+        return status, tip, sdg, height, lever

@@ -155,11 +155,3 @@ def test_a_budget_of_a_tenth_more_is_too_much(monkeypatch: pytest.MonkeyPatch) -
     said = braking.budgets
     monkeypatch.setattr(braking, "budgets", lambda *given: 1.1 * said(*given))
     assert judge.missed("braking", {"excavator": judge.judged("braking", "excavator", 0)})
-
-
-def test_the_page_has_a_table_of_every_part() -> None:
-    text = judge.PAGE.read_text(encoding="utf-8")
-    for name, part in judge.PARTS.items():
-        rows = text.split(f"<!-- {name} -->\n")[1].split(f"<!-- end of {name} -->")[0]
-        assert f"| robots | {' | '.join(part.COLUMNS)} |" in rows
-        assert all(f"| {robot} |" in rows for robot in part.ROBOTS)

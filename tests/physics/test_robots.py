@@ -52,9 +52,3 @@ def test_the_engine_agrees_with_the_limits_and_not_with_wrong_ones(
     before = robots.tilt_limits
     monkeypatch.setattr(robots, "tilt_limits", lambda *given: before(*given) + math.radians(0.5))
     assert robots.engine(recipe) == [math.inf] * 4
-
-
-def test_the_page_has_a_row_for_each_robot_that_the_engine_judges() -> None:
-    text = robots.PAGE.read_text(encoding="utf-8")
-    rows = {line.split(" | ")[0]: line for line in text.splitlines()}
-    assert all(rows[f"| {name}"].endswith("24 of 24 |") for name in robots.TILTED)

@@ -29,7 +29,7 @@ def depth_along(solid: Solid, start: np.ndarray, look: np.ndarray) -> float:
 def test_of_two_solids_the_nearer_one_is_painted_later() -> None:
     rng = np.random.default_rng(8)
     compared = 0
-    for _ in range(25):
+    for _ in range(10):
         solids = []
         for cell in rng.permutation(27)[:8]:
             # Apart: each in its own cell of a grid, turned at random.
@@ -45,7 +45,7 @@ def test_of_two_solids_the_nearer_one_is_painted_later() -> None:
             met = sorted(one for one in met if np.isfinite(one[0]))
             assert [n for _, n in met] == sorted(n for _, n in met)
             compared += len(met) > 1
-    assert compared > 150
+    assert compared > 60
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -1], [0.6, 0, -0.8], [-0.3, 0.5, -0.81], [1, 0, 0]])

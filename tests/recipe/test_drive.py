@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 import lutgen
@@ -48,22 +47,6 @@ def test_each_joint_is_at_its_scale_times_the_parameter_plus_its_offset() -> Non
     slide = lutgen.parse_recipe(recipe_text(drive, 0.0, 0.2, "m"), urdf=LOOSE)
     low, high = forward(slide, [[0.0], [0.2]]).com[:, 2]
     assert high - low == pytest.approx(0.4 * 2 / 26)
-
-
-def test_coupled_joints_are_where_independent_ones_are_at_the_same_angles() -> None:
-    drive = "[robot.parameter.drive]\narms = -2.0\nright_arm_joint = { offset = 5.0 }"
-    coupled = lutgen.parse_recipe(recipe_text(drive, -20.0, 20.0), urdf=LOOSE)
-    other = '[[robot.parameter]]\nname = "right_arm_joint"\nmin = -40.0\nmax = 40.0\nunit = "deg"\n'
-    loose = recipe_text(f'joint = "arms"\n{other}')
-    loose = loose.replace("reach = 3", "reach = 3, right_arm_joint = 3")
-    independent = lutgen.parse_recipe(loose, urdf=LOOSE)
-    p = np.linspace(-0.3, 0.3, 7)
-    one = forward(coupled, p[:, None])
-    two = forward(independent, np.column_stack([-2.0 * p, p + math.radians(5.0)]))
-    # The same operations on the same numbers: every bit.
-    assert np.array_equal(one.centres, two.centres)
-    assert np.array_equal(one.com, two.com)
-    assert np.ptp(one.centres[:, 0, 2]) > 0.1
 
 
 AGAIN = (

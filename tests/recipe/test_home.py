@@ -3,11 +3,9 @@
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import lutgen
-from lutgen.plot import draw
 from tests.fixtures.commands import data
 from tests.fixtures.commands import stdout as said_by
 from tests.fixtures.places import VECTORS
@@ -60,19 +58,6 @@ def test_what_is_given_comes_first_and_the_middle_last(path: Path) -> None:
     assert data("eval", path, "-p", "reach=0")["posture_from"] == "home: swing"
     path.write_text(tripod(), encoding="utf-8")
     assert data("limits", path)["posture_from"] == "middle of the range"
-
-
-def test_a_figure_of_the_robot_is_drawn_at_home() -> None:
-    home, plain = (lutgen.parse_recipe(tripod(head=head)) for head in (WHOLE, "friction = 0.8"))
-
-    def points(figure: object) -> list[np.ndarray]:
-        axes = figure.axes[0]  # type: ignore[attr-defined]
-        return [np.array(line.get_data()) for line in axes.lines]
-
-    there = points(draw("robot", home))
-    wanted = points(draw("robot", plain, params={"reach": 0.1, "swing": 20.0}))
-    assert len(there) == len(wanted) > 0
-    assert all(np.array_equal(a, b) for a, b in zip(there, wanted, strict=True))
 
 
 def test_check_warns_where_the_robot_lies_on_its_body_or_tips_at_home(

@@ -14,7 +14,6 @@ from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
 from lutgen.recipe import HDF5
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.every_key import CODED, EVERYTHING
-from tests.fixtures.places import MAPS
 from tests.fixtures.pulled import BOX
 from tests.fixtures.recipes import feet, rigid
 
@@ -129,8 +128,6 @@ def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
     [
         ("16384", "0.01", ("16384", "0.01")),
         ('"16 KiB"', "1", ("16 KiB", "1")),
-        ('" 2MiB"', '"0.5 %"', ("2MiB", "0.5 %")),
-        ('"512"', "1e-3", ("512", "0.001")),
     ],
 )
 def test_quantities_may_be_numbers_or_texts(flash, error, kept):
@@ -219,10 +216,10 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
 @pytest.mark.parametrize(
     ("name", "what"),
     [
-        ("coded_robot:flat", r"must return contacts \(m, n, 3\) and com \(m, 3\) \(got \[\(1, 3\)"),
+        ("coded_robot:flat", r"must return contacts \(1, n, 3\) and com \(1, 3\) \(got \[\(1, 3\)"),
         ("coded_robot:pair", r"must return 3 to 62 contacts \(got 2\)"),
-        ("coded_robot:lone", r"must return contacts and com \(got 'ndarray'\)"),
-        ("coded_robot:lost", r"NaN or infinity at the middle posture"),
+        ("coded_robot:lone", r"must return contacts and com \(got ndarray\)"),
+        ("coded_robot:lost", r"must return finite numbers"),
         ("coded_robot:none", r"module has no function none"),
         ("coded_robot:number", r"module has no function number"),
         ("not_there:feet", r"cannot be imported: No module named 'not_there'"),
@@ -235,12 +232,3 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
 def test_code_that_is_no_robot_is_refused(coded, name, what):
     with pytest.raises(RecipeError, match=rf"coded\.toml: key `robot\.python`: .*{what}.*\."):
         coded(name)
-
-
-def test_every_recipe_of_the_project_reads_and_is_named_after_its_file():
-    paths = sorted(MAPS.glob("*.toml"))
-    assert {path.stem for path in paths} >= {
-        *("absolem", "paper_one", "paper_two", "three_leg_sphere")
-    }
-    for path in paths:
-        assert load_recipe(path).name == path.stem

@@ -256,14 +256,6 @@ def test_a_map_whose_description_is_missing_or_changed_is_refused(
         lutgen.load_map(file, unsealed=True)
 
 
-def test_a_description_of_a_megabyte_is_stored_whole(path: Path) -> None:
-    large = ROVER.replace("</robot>", f"<!--{'x' * 1_000_000}-->\u00e4</robot>")
-    (path.parent / "rover.urdf").write_text(large, encoding="utf-8")
-    file = path.with_suffix(".h5")
-    lutgen.sweep(lutgen.load_recipe(path), file)
-    assert lutgen.load_map(file, unsealed=True).recipe.urdf == large
-
-
 def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
     links = "".join(
         f'[[robot.link]]\nname = "l{i}"\nparent = "{f"l{i - 1}" if i else "body"}"\n'
@@ -271,10 +263,10 @@ def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
     )
     points = "".join(contact(f"P{i}", (i, i * i, 0.0), link="l9999") for i in range(3))
     text = '[robot]\nname = "long"\nlength_unit = "m"\n' + links + points + sweep_part()
-    begin = time.perf_counter()
+    begin = time.process_time()
     recipe = lutgen.parse_recipe(text)
     # Measured 0.6 s, most of it in the TOML reader; checks quadratic in the depth take minutes.
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert len(recipe.links) == 10_001
     with pytest.raises(LutgenError, match="makes a loop"):
         lutgen.parse_recipe(text.replace('parent = "body"', 'parent = "l9999"'))

@@ -1,14 +1,13 @@
 """The proofs of the C runtime: one seeded fault that each of them finds."""
 
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from firmware_export.host import RUNTIME
 from proofs import eva, exhaustive, fuzz, run, structure
-from proofs.subjects import SUBJECTS, Subject, made
+from proofs.subjects import Subject, made
 from proofs.tools import FAILED, OK
 
 PATIENCE = 300.0
@@ -136,11 +135,3 @@ def test_what_is_missing_is_skipped_and_fails_in_ci(
     assert "SKIPPED" in capsys.readouterr().out
     monkeypatch.setenv("CI", "true")
     assert run.main(["--only", "structure"]) == 1
-
-
-def test_the_subjects_are_named_as_their_exports() -> None:
-    assert replace(SUBJECTS["paper_two"](), name="x").codec == "contacts"
-    assert [SUBJECTS[name]().name for name in ("tables_float", "four_wheels")] == [
-        "tables_float",
-        "four_wheels",
-    ]

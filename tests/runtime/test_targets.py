@@ -13,7 +13,6 @@ from firmware_export.certify.answers import device
 from firmware_export.emit import facts
 from targets import baseline, cases, control, pages, queries, run
 from targets.boards import BOARDS, Board
-from targets.digest import fnv1a
 from targets.image import deepest, execute
 from tests.fixtures.exports import tripod_export
 
@@ -26,12 +25,6 @@ def row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> run.Row:
     """Return a row of a small export."""
     monkeypatch.setattr(cases, "BUILD", tmp_path)
     return run.prepared(CASE)
-
-
-def test_the_hash_is_fnv_1a() -> None:
-    # Vectors of the FNV page's test suite.
-    assert fnv1a(b"") == 0x811C9DC5
-    assert fnv1a(b"bar", fnv1a(b"foo")) == fnv1a(b"foobar") == 0xBF9CF968
 
 
 def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:

@@ -16,7 +16,7 @@ from tests.fixtures.recipes import contact, rigid, sweep_part
 from tests.oracles.standing import facets_of
 from tests.support.postures import DISC, FAMILIES, below, drawn, limits_of, rows_of
 
-STANDS, ROCKS, TIPS = 0, 1, 2
+STANDS, TIPS = 0, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 

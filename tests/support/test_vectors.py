@@ -70,16 +70,6 @@ def tilted(heading: str, tilt: float) -> Floats:
 HEADINGS = ("nose_down", "nose_up", "left", "right")
 
 
-def test_stability_gives_the_papers_stability_factor_in_both_conventions() -> None:
-    table = rows("paper_sdg.csv")
-    assert len(table) == 42
-    for row in table:
-        wheels = paper_wheels(angle(row["alpha_deg"]), angle(row["gamma_deg"]))
-        got = lutgen.stability(wheels[None], down_of(wheels, row["convention"])[None], ["sdg"])
-        assert got["sdg"].shape == (1, 1)
-        assert got["sdg"][0, 0] == pytest.approx(float(row["sdg"]), abs=tolerance(row)), row
-
-
 def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventions() -> None:
     recipe = lutgen.parse_recipe(WIDE)
     table = rows("paper_sdg.csv")

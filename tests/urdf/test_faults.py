@@ -45,9 +45,9 @@ def expand(file: Path) -> None:
 @pytest.mark.parametrize(
     ("sound", "read", "count"),
     [
-        ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 600),
-        (SRDF, stand, 500),
-        ((XACRO / "robots" / "crane.xacro").read_text(), expand, 125),
+        ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 300),
+        (SRDF, stand, 250),
+        ((XACRO / "robots" / "crane.xacro").read_text(), expand, 60),
     ],
     ids=["urdf", "srdf", "xacro"],
 )

@@ -3,7 +3,6 @@
 import io
 import math
 import re
-import sys
 import time
 import zipfile
 from pathlib import Path
@@ -88,10 +87,10 @@ def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_ar
     face = "usemtl m{0}\no p{0}\nf {1} {2} {3}\n"
     faces = "".join(face.format(i, i % 6 + 1, i % 6 + 2, i % 6 + 3) for i in range(20_000))
     (tmp_path / "a.obj").write_text(points + faces)
-    begin = time.perf_counter()
+    begin = time.process_time()
     found = corners(tmp_path, mesh("a.obj"))
     # Measured 0.2 s; with materials the reader takes 100 s.
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert np.abs(found).max() == 0.5
 
 
@@ -171,15 +170,6 @@ def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
     assert len(corners(tmp_path, mesh("a.stl"))) == 8
     monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size - 1)
     with pytest.raises(InputError, match=f"longer than {size - 1} bytes"):
-        corners(tmp_path, mesh("a.stl"))
-
-
-def test_without_the_package_one_sentence_says_how_to_get_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    write(tmp_path / "a.stl", box(1, 1, 1))
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(InputError, match=r"pip install lutgen\[meshes\]"):
         corners(tmp_path, mesh("a.stl"))
 
 

@@ -180,8 +180,6 @@ def test_options_that_say_nothing_are_refused(
     out = tmp_path / "robot.toml"
     result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
     assert (result.exit_code, said in result.stderr) == (2, True)
-    urdf = run("import", VECTORS / "rover.urdf", "-o", out, "--arg", "a=b")
-    assert (urdf.exit_code, "is for xacro" in urdf.stderr) == (2, True)
 
 
 def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> None:
