@@ -46,9 +46,9 @@ class Many(NamedTuple):
     """What the tables of many contacts need beside positions.
 
     `order` of the shown contacts: rail by rail; `first` contact of each rail, and how many there
-    are; `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the
-    axis; `more`, what series alter there; `guard`, the sine that is taken off every distance, and
-    a sentence about it.
+    are, or how many axles swing; `axis`, level, of all discs; `numbers` in the order of the
+    runtime's struct, behind the axis; `more`, what series alter there; `guard`, the sine that is
+    taken off every distance, and a sentence about it.
     """
 
     order: tuple[int, ...]
@@ -77,10 +77,21 @@ class Many(NamedTuple):
 
 def refusal(model: Model) -> str | None:
     """Return why the runtime cannot find this robot's facets, or None."""
-    contacts = len(shown_contacts(model))
+    shown = shown_contacts(model)
+    contacts = len(shown) + 2 * len(model.recipe.axles)
     if contacts > MOST_CONTACTS:
-        return f"the runtime knows {MOST_CONTACTS} contacts (got {contacts})"
+        return f"the runtime knows {MOST_CONTACTS} contacts and points of axles (got {contacts})"
+    if model.recipe.axles and model.recipe.com_uncertainty > 0.0:
+        return "it knows no uncertain com of a robot whose axles swing; use --arithmetic integer"
+    if not set(_carried(model)) <= set(shown):
+        return "an axle that swings has a contact within another one; use --arithmetic integer"
     return None
+
+
+def _carried(model: Model) -> list[int]:
+    """Return the recipe's numbers of the contacts of axles that swing, two of each."""
+    names = model.recipe.contact_names
+    return [names.index(name) for axle in model.recipe.axles for name in axle.contacts]
 
 
 def _axis(model: Model) -> tuple[float, float] | None:
@@ -157,17 +168,22 @@ def _lowest(model: Model, rho: float) -> float:
 
 
 def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
-    """Return the order of a robot's shown contacts, and whether axes of its discs turn."""
-    places, shown = _rails(model), shown_contacts(model)
+    """Return the order of a robot's shown contacts, and whether axes of its discs turn.
+
+    Those of axles that swing come first, and at the end two points of each, see `closed.Closed`.
+    """
+    places, shown, carried = _rails(model), shown_contacts(model), _carried(model)
     if places is None:
-        return shown, True
+        points = range(len(model.kind), len(model.kind) + len(carried))
+        return (*carried, *(at for at in shown if at not in carried), *points), True
     return tuple(shown[at] for at in np.argsort(-places, kind="stable")), False
 
 
 def _rails(model: Model) -> Floats | None:
     """Return where each shown contact's rail is, None where the runtime searches."""
     spheres = model.kind[list(shown_contacts(model))] == SPHERE
-    places = None if spheres.any() or model.recipe.upright > MOST_PITCH else _places(model)
+    flat = model.recipe.upright <= MOST_PITCH and not model.recipe.axles
+    places = _places(model) if flat and not spheres.any() else None
     if places is None or np.ptp(places) <= SAME * robot_size_of(model.recipe):
         return None
     return places
@@ -180,7 +196,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     """
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
     places, (order, _) = _rails(model), order_of(model)
-    first, axis = [0], (0.0, 1.0)
+    first, axis = [len(model.recipe.axles)], (0.0, 1.0)
     if places is not None:
         axis, places = _axis(model) or axis, -np.sort(-places)
         for at in range(1, len(order)):
