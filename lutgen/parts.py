@@ -1,4 +1,4 @@
-"""The parts of a robot: parameters, links, joints, contacts, wheels and forces.
+"""The parts of a robot: parameters, links, joints, contacts, axles, wheels and forces.
 
 Data with every angle in radians, and the order of the tree that links make; nothing is known here
 of how they are written down (`recipe`, `urdf`) or of how a robot moves.
@@ -127,6 +127,23 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Axle:
+    """An axle that swings freely about a line, and the two contacts that it carries.
+
+    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`, which
+    holds the pivot.  The robot is described with the axle amid its swing; `stops` (rad) is how far
+    it swings to either side, None if nothing stops it.
+    """
+
+    name: str
+    contacts: tuple[str, str]
+    link: str
+    pivot: Vector
+    axis: Vector
+    stops: float | None = None
+
+
+@dataclass(frozen=True)
 class Wheel:
     """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
 
@@ -168,6 +185,15 @@ class Force:
     def acts(self) -> bool:
         """Whether it does anything at all."""
         return any(self.force) or any(self.moment)
+
+
+def way_up(parents: Mapping[str, str | None], name: str | None) -> list[str]:
+    """Return a name, its parent, the parent of that, and so on."""
+    way: list[str] = []
+    while name is not None and name not in way:
+        way.append(name)
+        name = parents.get(name)
+    return way
 
 
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from firmware_export.emit import package
 from firmware_export.emit.runtime import control_file
-from firmware_export.emit.size import BY_CODE, FILE, TARGET
+from firmware_export.emit.size import BY_CODE, FILE, SWINGING, TARGET
 from firmware_export.host import RUNTIME
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
@@ -72,6 +72,7 @@ EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
     "rails": tuple(partial(of_recipe, name, "contacts") for name in ("marv", "absolem")),
     "search": (partial(of_recipe, "articulated", "contacts"),),
     "search" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("wheels", "scissors")),
+    "search" + SWINGING: (partial(of_recipe, "tractor", "contacts"),),
 }
 
 
@@ -83,7 +84,7 @@ def program(family: str, control: bool = False) -> str:
     config = {"SMAP_HOST": 1, **USUAL}
     known = zip(CAPACITIES, MANY.get(family, ()), strict=family in MANY)
     config |= {f"SMAP_MAX_{key}": value for key, value in known}
-    config |= {"SMAP_RAILS": 2, "SMAP_DISCS": 4}
+    config |= {"SMAP_RAILS": 2, "SMAP_DISCS": 4, "SMAP_PIVOTS": 0}
     config |= {"SMAP_CONTROL": 1} if control else {}
     lines = [f"#define {name} {value}" for name, value in config.items()]
     lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']
@@ -122,7 +123,7 @@ def measure_row(row: str, folder: Path) -> Measure:
     """Return the most that the exports of a row take, and what control adds to its family."""
     found = [measure(make(), folder / f"{row} {at}") for at, make in enumerate(EXPORTS[row])]
     most = {key: max(one[key] for one in found) for key in ("code", "stack", "pose")}
-    family = row.removesuffix(BY_CODE)
+    family = row.split(",")[0]
     return {**most, "control": measure_control(family, folder) if control_file(family) else 0}
 
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from lutgen.errors import InputError
 from lutgen.parts import Joint, parents_first
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, swung_links
 from lutgen.rotation import axis_rotation, rotation
-from lutgen.vector import Floats
+from lutgen.vector import Floats, Vector
 
 # A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter,
 # 1.0) the parameter itself.  A monomial is a sorted tuple of factors; () is 1.
@@ -100,12 +100,14 @@ class Closed:
     """A robot's positions in closed form, in the recipe's frame.
 
     `centres`, `axes`: a (3,) polynomial for each contact; the axes of discs, None for
-    others.  `com`: that of the whole robot.
+    others.  Behind them for each axle that swings its pivot and line, and its com.  `com`: that of
+    the whole robot; `shares` of the mass that the axles have.
     """
 
     centres: tuple[Sum, ...]
     axes: tuple[Sum | None, ...]
     com: Sum
+    shares: tuple[float, ...]
 
 
 @lru_cache(maxsize=4)
@@ -147,12 +149,25 @@ def closed_form(recipe: Recipe) -> Closed:
             com = com + share.scaled(link.mass / total)
     centres: list[Sum] = []
     axes: list[Sum | None] = []
+    shares: list[float] = []
+
+    def place(link: str, position: Vector, axis: Vector | None) -> None:
+        centres.append(origin[link] + turn[link] @ Sum.constant(np.array(position)))
+        axes.append(None if axis is None else turn[link] @ Sum.constant(np.array(axis)))
+
     for contact in recipe.contacts:
-        here = turn[contact.link]
-        centres.append(origin[contact.link] + here @ Sum.constant(np.array(contact.position)))
-        own = contact.axis
-        axes.append(None if own is None else here @ Sum.constant(np.array(own)))
-    return Closed(tuple(centres), tuple(axes), com)
+        place(contact.link, contact.position, contact.axis)
+    for axle, swung in zip(recipe.axles, swung_links(recipe), strict=True):
+        place(axle.link, axle.pivot, axle.axis)
+        mass = sum(link.mass for link in swung)
+        middle = Sum({}) if mass else centres[-1]
+        for link in swung:
+            own = origin[link.name] + turn[link.name] @ Sum.constant(np.array(link.com))
+            middle = middle + own.scaled(link.mass / (mass or 1.0))
+        centres.append(middle)
+        axes.append(None)
+        shares.append(mass / (total or 1.0))
+    return Closed(tuple(centres), tuple(axes), com, tuple(shares))
 
 
 def factors_of(sums: Iterable[Sum]) -> list[Factor]:

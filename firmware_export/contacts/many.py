@@ -46,9 +46,9 @@ class Many(NamedTuple):
     """What the tables of many contacts need beside positions.
 
     `order` of the shown contacts: rail by rail; `first` contact of each rail, and how many there
-    are; `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the
-    axis; `more`, what series alter there; `guard`, the sine that is taken off every distance, and
-    a sentence about it.
+    are, or how many axles swing; `axis`, level, of all discs; `numbers` in the order of the
+    runtime's struct, behind the axis; `more`, what series alter there; `guard`, the sine that is
+    taken off every distance, and a sentence about it.
     """
 
     order: tuple[int, ...]
@@ -77,10 +77,21 @@ class Many(NamedTuple):
 
 def refusal(model: Model) -> str | None:
     """Return why the runtime cannot find this robot's facets, or None."""
-    contacts = len(shown_contacts(model))
+    shown = shown_contacts(model)
+    contacts = len(shown) + 2 * len(model.recipe.axles)
     if contacts > MOST_CONTACTS:
-        return f"the runtime knows {MOST_CONTACTS} contacts (got {contacts})"
+        return f"the runtime knows {MOST_CONTACTS} contacts and points of axles (got {contacts})"
+    if model.recipe.axles and model.recipe.com_uncertainty > 0.0:
+        return "it knows no uncertain com of a robot whose axles swing; use --arithmetic integer"
+    if not set(_carried(model)) <= set(shown):
+        return "an axle that swings has a contact within another one; use --arithmetic integer"
     return None
+
+
+def _carried(model: Model) -> list[int]:
+    """Return the recipe's numbers of the contacts of axles that swing, two of each."""
+    names = model.recipe.contact_names
+    return [names.index(name) for axle in model.recipe.axles for name in axle.contacts]
 
 
 class Tracks(NamedTuple):
@@ -95,7 +106,8 @@ def _tracks(model: Model) -> Tracks | None:
     """Return the tracks of a robot, None where the runtime searches; postures tell."""
     shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
     kinds = model.kind[shown]
-    if (kinds == SPHERE).any() or model.recipe.upright > MOST_PITCH:
+    flat = model.recipe.upright <= MOST_PITCH and not model.recipe.axles
+    if (kinds == SPHERE).any() or not flat:
         return None
     t = np.random.default_rng(SEED).random((LOOKED, model.k))
     t[: LOOKED // 2] = t[: LOOKED // 2].round()
@@ -140,10 +152,14 @@ def _lowest(model: Model, rho: float) -> float:
 
 
 def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
-    """Return the order of a robot's shown contacts, and whether axes of its discs turn."""
-    tracks, shown = _tracks(model), shown_contacts(model)
+    """Return the order of a robot's shown contacts, and whether axes of its discs turn.
+
+    Those of axles that swing come first, and at the end two points of each, see `closed.Closed`.
+    """
+    tracks, shown, carried = _tracks(model), shown_contacts(model), _carried(model)
     if tracks is None:
-        return shown, True
+        points = range(len(model.kind), len(model.kind) + len(carried))
+        return (*carried, *(at for at in shown if at not in carried), *points), True
     return tuple(shown[at] for at in np.argsort(-tracks.places, kind="stable")), False
 
 
@@ -154,7 +170,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     """
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
     tracks, (order, _) = _tracks(model), order_of(model)
-    first, axis = [0], (0.0, 1.0)
+    first, axis = [len(model.recipe.axles)], (0.0, 1.0)
     if tracks is not None:
         axis, places = tracks.axis, -np.sort(-tracks.places)
         for at in range(1, len(order)):

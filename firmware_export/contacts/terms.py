@@ -127,7 +127,7 @@ def head(
 
 
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
-    """Return the tables of a robot whose contacts stand in an order of our own.
+    """Return the tables of a robot whose contacts (and axles) stand in an order of our own.
 
     Axes of discs are there only where they are asked for, `turning`.
 
@@ -171,7 +171,7 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
         len(axes),
         moving,
         reach <= NEAREST,
-        radius[list(order)],
+        np.array([*radius, *(one for share in closed.shares for one in (0.0, share))])[list(order)],
         _error(recipe, sums[: len(vectors)], moving) + NEGLIGIBLE * size * len(table.products),
     )
 

@@ -173,6 +173,11 @@ def _refuse(model: Model, wishes: Wishes) -> None:
     source, names = model.recipe.source, [p.name for p in model.recipe.parameters]
     if not names:
         raise InputError(f"{source}: the robot has no joint to control (got no parameter).")
+    if model.recipe.axles:
+        raise InputError(
+            f"{source}: no bound of ways is known of a robot with axles that swing (got "
+            f"{model.recipe.axles[0].name}); read its export at each posture instead."
+        )
     if model.is_tripod and model.k > MOST_JOINTS:
         raise InputError(
             f"{source}: of robots on three points control knows {MOST_JOINTS} joints (got "

@@ -66,8 +66,7 @@ def flash_bytes(export: Export) -> dict[str, Any]:
     `measured`: this very export was; else code and stack are the most that its family takes.
     """
     body, blob = export.body, describe(export)
-    by_code = bool(dict(body.macros).get("SMAP_SERIES"))
-    most = family_row(family_of(blob.codec, blob.integer), by_code)
+    most = family_row(family_of(blob.codec, blob.integer), dict(body.macros))
     row = counted_row(export)
     cell = {} if row is None else row.get(CELL, {})
     code, more = cell.get("code", most["code"]), {}

@@ -6,6 +6,7 @@ sizes.json, which has the most measured of a family (`python -m targets.size`).
 """
 
 import json
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -16,8 +17,9 @@ TARGET = "Cortex-M4, -Os"
 # The compiler's cell of an export in counts.json that has its bytes.
 CELL = "m4f -Os"
 FILE, COUNTS = "sizes.json", "counts.json"
-# Behind the name of a family: of robots given by code, whose contacts are series.
-BY_CODE = ", by code"
+# Behind the name of a family: of robots given by code, whose contacts are series, and of those
+# with axles that swing.
+BY_CODE, SWINGING = ", by code", ", with axles"
 
 
 @cache
@@ -27,19 +29,21 @@ def measured(name: str) -> dict[str, Any]:
     return rows
 
 
-def family_row(family: str, by_code: bool = False) -> dict[str, int]:
+def family_row(family: str, macros: Mapping[str, int]) -> dict[str, int]:
     """Return the most bytes of `code`, `stack` and `control` that were measured of a family.
 
-    `pose` is the size of the pose that the stack was measured with.
+    `macros` tell which robots' of it; `pose` is the size of the pose that the stack was measured
+    with.
     """
+    kind = BY_CODE if macros.get("SMAP_SERIES") else SWINGING if macros.get("SMAP_PIVOTS") else ""
     rows = measured(FILE)
-    row: dict[str, int] = rows.get(f"{family}{BY_CODE}" if by_code else family, rows[family])
+    row: dict[str, int] = rows.get(f"{family}{kind}", rows[family])
     return row
 
 
 def code_bytes(family: str) -> int:
     """Return the most bytes of code that were measured of a family."""
-    return family_row(family)["code"]
+    return family_row(family, {})["code"]
 
 
 def counted_row(export: Export) -> dict[str, Any] | None:

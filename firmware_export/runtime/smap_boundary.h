@@ -86,5 +86,11 @@ static int smap_close(smap_work_t *w)
       }
     }
   }
+  for (r = 0; SMAP_PIVOTS > 0 && w->map->first[0] > 0 && at->rests > 1 && r < at->rests; r++) {
+    at->nearly = SMAP_OVERLAP;
+    at->own[r] = SMAP_NONE;
+    at->from[r] = 0;
+    at->till[r] = at->arcs;
+  }
   return !w->full;
 }

@@ -3,7 +3,8 @@
 /* ---- poses of many contacts: memory, and the functions behind smap.h ----------------------------------
  * What the map adds to positions: eleven singles (the level axis of all discs, size, steepest, least height, rest
  * width, tolerance, rock chord, guard, off, turned: see smap_limits_t), tracks u8, the first contact of each track and
- * behind the last u8, the recipe's number of each contact u8, the room of a pose u8[5]. */
+ * behind the last u8, the recipe's number of each contact u8, the room of a pose u8[5].  Without tracks the byte behind
+ * the last tells how many axles swing: see smap_swing.h. */
 enum { SMAP_SINGLES = 44 };
 
 typedef struct {
@@ -30,6 +31,7 @@ static void smap_limits(const smap_t *map, smap_limits_t *m)
   m->first = body + SMAP_SINGLES + 1;
   m->named = m->first + m->tracks + 1;
   m->room = m->named + m->contacts;
+  m->contacts = (uint8_t)(m->contacts - (SMAP_PIVOTS > 0 ? 2u * m->first[0] : 0u));
   m->axis[0] = smap_f32(body);
   m->axis[1] = smap_f32(body + 4);
   m->size = smap_f32(body + 8);
@@ -230,9 +232,12 @@ static int smap_check_many(const smap_t *map)
   const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   const uint8_t tracks = bytes > SMAP_SINGLES ? body[SMAP_SINGLES] : SMAP_NONE;
   const smap_bytes_t first = body + SMAP_SINGLES + 1;
+  const uint8_t axles = tracks == 0 ? first[0] : (uint8_t)0;
   uint8_t i;
-  if (contacts > SMAP_MAX_CONTACTS || contacts < 3 || tracks > SMAP_TRACKS || (tracks > 1) != (SMAP_TRACKS > 1) ||
-      bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != 0 ||
+  if (contacts > SMAP_MAX_CONTACTS || contacts < 3 + 2 * axles ||
+      contacts < 4 * axles || tracks > SMAP_TRACKS ||
+      (tracks > 1) != (SMAP_TRACKS > 1) || axles > SMAP_PIVOTS ||
+      bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != axles ||
       (SMAP_DISCS > 0 && smap_body(map)[SMAP_IN_AXES] > SMAP_DISCS) ||
       (tracks != 0 && first[tracks] != contacts)) {
     return 0;

@@ -7,6 +7,8 @@
 #define SMAP_TRACKS SMAP_RAILS
 #undef SMAP_DISCS
 #define SMAP_DISCS 0 /* whose axes differ */
+#undef SMAP_PIVOTS
+#define SMAP_PIVOTS 0
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
@@ -171,7 +173,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   for (j = 0; j < w->map->contacts; j++) {
     extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
   }
-  first = smap_add_rest(w, n, p, id, count, extent);
+  first = smap_add_rest(w, n, p, id, count, extent, 0);
   if (first != SMAP_NONE) {
     for (j = 0; j + 1 < turns; j++) {
       if (h->pend[track[j]] != SMAP_NONE) {

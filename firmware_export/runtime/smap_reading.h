@@ -60,7 +60,7 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
   for (k = from; k < till; k++) {
     const float *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
     float away = side * smap_dot(o->wall[at->arc[k].wall], g), aside, ahead;
-    if (!(away >= -SMAP_BEHIND)) {
+    if (!(away >= -SMAP_BEHIND) && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) {
       continue;
     }
     away *= away;

@@ -121,7 +121,7 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o,
     const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
     uint32_t square = (uint32_t)away * (uint32_t)away;
     int32_t aside, ahead;
-    if ((tips ? away : -away) > SMAP_BEHIND_I || square >= least) {
+    if (((tips ? away : -away) > SMAP_BEHIND_I && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) || square >= least) {
       continue;
     }
     aside = smap_dot_i(t, g) >> 15;

@@ -11,6 +11,7 @@
 #define SMAP_WALLS (SMAP_MAX_CORNERS + 2 * SMAP_MAX_GAPS)
 #define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
 #define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
+#define SMAP_OVERLAP 2u   /* where rests may, as those on which axles swing */
 
 /* What a map says of its robot beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
  * which a roll ends elsewhere, also for each rad that it turns. */
@@ -35,7 +36,7 @@ typedef struct {
 /* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
  * that a rest belongs to, and `own` is the first of its own if all of its edges are boundary, else SMAP_NONE. */
 typedef struct {
-  uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one */
+  uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one, or SMAP_OVERLAP */
   uint8_t first[SMAP_MAX_RESTS + 1];     /* corner of each rest */
   uint8_t own[SMAP_MAX_RESTS], from[SMAP_MAX_RESTS], till[SMAP_MAX_RESTS];
   smap_gap_t gap[SMAP_MAX_GAPS];
@@ -113,9 +114,9 @@ SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
 #include "smap_polygon.h"
 
 /* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
- * tells how far each contact extends along n. */
+ * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole polygon. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
-                             const float *extent)
+                             const float *extent, int swung)
 {
   const uint8_t r = w->at->rests, first = w->at->first[r];
   const float height = smap_dot(p[0], n), size = w->map->size;
@@ -132,7 +133,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     }
     near = (uint8_t)(near + (extent[i] >= height - w->map->tolerance));
   }
-  if (near <= count) {
+  if (swung || near <= count) {
     wide = count == 3 ? smap_measure_triangle(w, p, o->centre[r]) : smap_measure(w, n, p, count, o->centre[r]);
   } else { /* all of them make up the support polygon */
     float q[SMAP_MAX_CONTACTS][3];

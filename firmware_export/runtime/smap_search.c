@@ -67,6 +67,7 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
 }
 
 #include "smap_roll.h"
+#include "smap_swing.h"
 
 /* Facets are found by rolling a plane over the edges of those that are known.  A facet that is not found makes the region
  * smaller and never larger. */
@@ -200,7 +201,9 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   memcpy(f->n, n, sizeof f->n);
   memcpy(f->id, id, count);
   f->count = count;
-  f->first = flat ? (uint8_t)SMAP_NONE : smap_add_rest(w, n, p, id, count, extent);
+  f->first = flat || (SMAP_PIVOTS > 0 && smap_add_swung(w, n, smap_dot(p[0], n), extent))
+                 ? (uint8_t)SMAP_NONE /* nor does the robot rock over an edge of what swings */
+                 : smap_add_rest(w, n, p, id, count, extent, 0);
   return s->facets++;
 }
 

@@ -15,12 +15,13 @@ from lutgen.channels import (
     find_axes,
     measure,
     measure_loaded,
+    primitives_of,
     wanted_channels,
     wrenches,
 )
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import empty_region, pack, stand
+from lutgen.support import empty_region, stand
 from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
 
 # Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
@@ -117,7 +118,7 @@ def cross_boundary(
     either side of the boundary: most are 1e-8 rad apart.
     """
     recipe, postures = model.recipe, model.postures(params)
-    primitives = pack(postures.centres, postures.axes, model.radius, model.kind)
+    primitives = primitives_of(recipe, postures)
     wrench = wrenches(recipe, postures) if recipe.loaded else None
     setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
     low, high = unit(inside), unit(outside)

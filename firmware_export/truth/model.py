@@ -64,7 +64,7 @@ class Model:
     @property
     def is_tripod(self) -> bool:
         """Whether three points are all there is to stand on: one facet, everything smooth."""
-        return len(self.kind) == 3 and not self.kind.any()
+        return len(self.kind) == 3 and not self.kind.any() and not self.recipe.axles
 
     def at(self, t: Floats) -> Floats:
         """Return the parameters (..., k), rad or length, for places (..., k) in 0..1 of the box."""

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.channels import acceptance_of, refuse_forces, wrenches
+from lutgen.channels import acceptance_of, primitives_of, refuse_forces, wrenches
 from lutgen.errors import InputError
 from lutgen.recipe import (
     Postures,
@@ -162,8 +162,9 @@ class Posture:
     @cached_property
     def stance(self) -> Stance:
         """Facets and tip-over axes."""
-        region = empty_region(len(self.primitives))
-        stand(region, self.primitives, acceptance_of(self.recipe))
+        primitives = primitives_of(self.recipe, self.placed)[0]
+        region = empty_region(len(primitives))
+        stand(region, primitives, acceptance_of(self.recipe))
         count = region.counts
         facets = tuple(_facet(region, k) for k in range(count[ACCEPTED]))
         arcs = region.arc[: count[ARCS]]

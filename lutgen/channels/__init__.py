@@ -26,7 +26,7 @@ from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, mea
 from lutgen.channels.resting import CONVENTIONS, body_gravity, turned
 from lutgen.channels.scan import Scanner
 from lutgen.channels.shares import smallest_shares
-from lutgen.channels.wrench import acceptance_of, refuse_forces, wrenches
+from lutgen.channels.wrench import acceptance_of, primitives_of, refuse_forces, wrenches
 
 __all__ = [
     "CONVENTIONS",
@@ -55,6 +55,7 @@ __all__ = [
     "measure_moved",
     "measure_recipe",
     "part",
+    "primitives_of",
     "refuse_forces",
     "segment_energy",
     "smallest_shares",

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.channels.axes import MU, PHI, empty_axes, find_axes, part
 from lutgen.channels.exact import SHARE, Setting, checked_directions, measure, wanted_channels
 from lutgen.channels.loads import measure_loaded, share_of
-from lutgen.channels.wrench import acceptance_of, groups_of, wrenches
+from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds, within_limits
+from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
 from lutgen.vector import Floats, add, row
 
@@ -101,7 +101,7 @@ def for_each_posture(
     kernel: Callable[..., None], recipe: Recipe, postures: Postures, *arguments: object
 ) -> None:
     """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of the postures."""
-    primitives = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    primitives = primitives_of(recipe, postures)
     everything = (primitives, wrenches(recipe, postures), *arguments)
     in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
 
@@ -118,7 +118,7 @@ def measure_recipe(
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
     return measure_postures(
-        pack(postures.centres, postures.axes, *radii_and_kinds(recipe)),
+        primitives_of(recipe, postures),
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
         Setting(acceptance_of(recipe, tighter), wanted, groups_of(recipe)),

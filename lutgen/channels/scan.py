@@ -28,13 +28,13 @@ from lutgen.channels.rows import (
     node_direction,
     nodes_of,
 )
-from lutgen.channels.wrench import acceptance_of, groups_of, wrenches
+from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import Recipe, forward, radii_and_kinds
-from lutgen.support import Region, empty_region, pack, stand
+from lutgen.recipe import Recipe, forward
+from lutgen.support import Region, empty_region, stand
 from lutgen.vector import Floats, Singles
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
@@ -133,14 +133,13 @@ class Scanner:
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
         self._setting = Setting(acceptance_of(recipe), wanted_channels(channels), groups_of(recipe))
-        self._radius, self._kind = radii_and_kinds(recipe)
         # For loaded robots alone: for the others the kernel makes the directions itself.
         self._directions = chart.directions().reshape(self.rows, -1, 3) if recipe.loaded else None
 
     def fill(self, params: Floats, first: int, last: int, out: Singles) -> None:
         """Fill `out` for postures (m, k) over rows [first, last) of each; see `scan`."""
         postures = forward(self._recipe, params)
-        primitives = pack(postures.centres, postures.axes, self._radius, self._kind)
+        primitives = primitives_of(self._recipe, postures)
         if self._directions is None:
             scan(primitives, self._setting, self._nodes, (first, last), out)
             return

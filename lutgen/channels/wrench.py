@@ -1,4 +1,6 @@
-"""The wrench of each posture of a recipe: resultant of its forces over the weight, and com ball.
+"""What kernels take of a recipe: its primitives, the facets that count, and the wrench.
+
+The wrench of each posture: resultant of its forces over the weight, and com ball.
 
 A wrench is one row of seven numbers: phi (3), the sum of the forces over the weight; mu (3), their
 moment about the com over the weight, a length; and the radius rho of the ball in which the com
@@ -11,11 +13,34 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe, contact_tolerance_of, robot_size_of
-from lutgen.support import OFF_FACE, Acceptance, acceptance
+from lutgen.recipe import (
+    Postures,
+    Recipe,
+    contact_tolerance_of,
+    radii_and_kinds,
+    robot_size_of,
+)
+from lutgen.support import AXLE, FIRST, OFF_FACE, Acceptance, acceptance, pack
 
 # Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).
 REST_WIDTH = 0.01
+
+
+def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
+    """Return the primitives (m, n + 2 a, 8) of postures of a recipe.
+
+    They are its contacts and its axles that swing, see the head of `support.primitive`.
+    """
+    parts = [pack(postures.centres, postures.axes, *radii_and_kinds(recipe))]
+    names = recipe.contact_names
+    for k, axle in enumerate(recipe.axles):
+        i, j = (names.index(name) for name in axle.contacts)
+        share, com = postures.axle_shares[:, k, None], postures.axle_coms[:, k]
+        points = np.stack([postures.pivots[:, k], -share / (1.0 - share) * com], axis=1)
+        lines = np.stack([postures.pivot_axes[:, k], np.zeros_like(com)], axis=1)
+        numbers = np.hstack([np.full_like(share, FIRST * i + j), 1.0 - share])
+        parts.append(pack(points, lines, numbers, AXLE))
+    return np.concatenate(parts, axis=1)
 
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:

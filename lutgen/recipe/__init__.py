@@ -12,7 +12,14 @@ from lutgen.recipe.gallery import (
     start_recipe,
     start_recipes,
 )
-from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds, within_limits
+from lutgen.recipe.kinematics import (
+    Postures,
+    forward,
+    postures,
+    radii_and_kinds,
+    swung_links,
+    within_limits,
+)
 from lutgen.recipe.load import HDF5, read_tables, read_text
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
@@ -43,5 +50,6 @@ __all__ = [
     "robot_size_of",
     "start_recipe",
     "start_recipes",
+    "swung_links",
     "within_limits",
 ]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError, reject
 from lutgen.jit import njit
-from lutgen.parts import KINDS, Contact, Force, parents_first
+from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
 from lutgen.recipe.code import asked
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
@@ -27,13 +27,20 @@ class Postures(NamedTuple):
 
     `centres` (m, n, 3): contact centres relative to the com; `axes` (m, n, 3): unit
     axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
-    `force_points` (m, f, 3): where the recipe's forces act, relative to the com.
+    `force_points` (m, f, 3): where the recipe's forces act, relative to the com; `pivots` and
+    `pivot_axes` (m, a, 3): a point of the line about which each axle swings, relative to the com,
+    and the unit vector along it; `axle_coms` (m, a, 3) and `axle_shares` (m, a): the com of what
+    swings, relative to that of the robot, and its share of the mass.
     """
 
     centres: Floats
     axes: Floats
     com: Floats
     force_points: Floats
+    pivots: Floats
+    pivot_axes: Floats
+    axle_coms: Floats
+    axle_shares: Floats
 
 
 class Tree(NamedTuple):
@@ -44,10 +51,11 @@ class Tree(NamedTuple):
     rotation: Floats  # (l, 3, 3)
     mass: Floats  # (l,) share of the whole mass
     com: Floats  # (l, 3)
-    # Contacts, and after them the points where forces act, whose axes are zero.
-    point_link: Ints  # (n + f,)
-    point_position: Floats  # (n + f, 3)
-    point_axis: Floats  # (n + f, 3)
+    # Contacts, and after them the points where forces act, whose axes are zero, pivots, and
+    # the coms of the links that swing.
+    point_link: Ints  # (n + f + a + s,)
+    point_position: Floats  # (n + f + a + s, 3)
+    point_axis: Floats  # (n + f + a + s, 3)
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
@@ -64,9 +72,12 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
         com = com + recipe.com_offset
         none = np.empty((len(values), 0, 3))
-        return Postures(own - com[:, None, :], np.zeros(own.shape), com, none)
+        centres = own - com[:, None, :]
+        return Postures(centres, np.zeros(own.shape), com, none, none, none, none, none[..., 0])
     contacts = len(recipe.contacts)
-    shape = (len(values), contacts + len(recipe.forces), 3)
+    forces = contacts + len(recipe.forces)
+    pivots = forces + len(recipe.axles)
+    shape = (len(values), pivots + sum(map(len, swung_links(recipe))), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
     _forward(values, _tree(recipe), points, axes, com)
     com += recipe.com_offset
@@ -75,7 +86,10 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         np.ascontiguousarray(points[:, :contacts]),
         np.ascontiguousarray(axes[:, :contacts]),
         com,
-        np.ascontiguousarray(points[:, contacts:]),
+        np.ascontiguousarray(points[:, contacts:forces]),
+        points[:, forces:pivots],
+        axes[:, forces:pivots],
+        *_axle_masses(recipe, points[:, pivots:]),
     )
 
 
@@ -135,6 +149,38 @@ def within_limits(
     return values
 
 
+def swung_links(recipe: Recipe) -> list[list[Link]]:
+    """Return the links that swing with each axle: those between its pivot and its contacts.
+
+    That is what carries the contacts, next below the link that holds the pivot, and all its parts.
+    """
+    parents = {link.name: link.parent for link in recipe.links}
+    ways = {name: way_up(parents, name) for name in parents}
+    carrier = {contact.name: contact.link for contact in recipe.contacts}
+    found = []
+    for axle in recipe.axles:
+        above = [ways[carrier[name]] for name in axle.contacts]
+        roots = {way[way.index(axle.link) - 1] for way in above if way[0] != axle.link}
+        found.append([link for link in recipe.links if roots & set(ways[link.name])])
+    return found
+
+
+def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
+    """Return the com (m, a, 3) of what swings with each axle, and its share (m, a) of the mass.
+
+    `coms` (m, s, 3) are those of the links of `swung_links`, one after the other.
+    """
+    total = math.fsum(link.mass for link in recipe.links)
+    middles, shares, first = np.zeros((len(coms), len(recipe.axles), 3)), [], 0
+    for k, links in enumerate(swung_links(recipe)):
+        mass = np.array([link.mass for link in links])
+        if mass.any():
+            middles[:, k] = mass @ coms[:, first : first + len(links)] / mass.sum()
+        shares.append(float(mass.sum()) / total if total else 0.0)
+        first += len(links)
+    return middles, np.tile(np.array(shares), (len(coms), 1))
+
+
 @lru_cache(maxsize=16)
 def _tree(recipe: Recipe) -> Tree:
     order, _ = parents_first({link.name: link.parent for link in recipe.links})
@@ -152,9 +198,13 @@ def _tree(recipe: Recipe) -> Tree:
     def rows(vectors: list[Vector]) -> Floats:
         return np.array(vectors, dtype=np.float64).reshape(-1, 3)
 
-    zero = (0.0, 0.0, 0.0)
     points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
-    axes = [*(contact.axis or zero for contact in recipe.contacts), *(zero for _ in recipe.forces)]
+    swung = [link for links in swung_links(recipe) for link in links]
+    positions = [*(point.position for point in points), *(axle.pivot for axle in recipe.axles)]
+    positions += [link.com for link in swung]
+    carriers = [*(one.link for one in (*points, *recipe.axles)), *(link.name for link in swung)]
+    axes = [*(contact.axis or ZERO for contact in recipe.contacts), *(ZERO for _ in recipe.forces)]
+    axes += [*(axle.axis for axle in recipe.axles), *(ZERO for _ in swung)]
     parents = [-1 if link.parent is None else row[link.parent] for link in links]
     steps = [(j.scale, j.offset) if j else (0.0, 0.0) for j in joints]
     return Tree(
@@ -168,15 +218,15 @@ def _tree(recipe: Recipe) -> Tree:
         np.hstack(
             [
                 rows([link.origin for link in links]),
-                rows([j.axis if j else zero for j in joints]),
+                rows([j.axis if j else ZERO for j in joints]),
                 steps,
             ]
         ),
         np.array([rotation(link.rpy) for link in links]),
         share,
         rows([link.com for link in links]),
-        np.array([row[point.link] for point in points], np.int64),
-        rows([point.position for point in points]),
+        np.array([row[name] for name in carriers], np.int64),
+        rows(positions),
         rows(axes),
     )
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from lutgen.chart import Chart
 from lutgen.grid import Grid
-from lutgen.parts import ZERO, Contact, Force, Group, Link, Parameter, Wheel
+from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link, Parameter, Wheel
 from lutgen.vector import Vector
 
 
@@ -50,6 +50,7 @@ class Recipe:
     source: str
     function: Callable[..., Any] | None = field(default=None, compare=False)
     wheels: tuple[Wheel, ...] = ()
+    axles: tuple[Axle, ...] = ()
     urdf: str | None = None
     groups: tuple[Group, ...] = ()
     forces: tuple[Force, ...] = ()

@@ -12,6 +12,7 @@ from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
+    axles_of,
     contacts_of,
     knots_of,
     links_of,
@@ -86,8 +87,8 @@ def parse_recipe(
             links, shapes = links_and_shapes(robot, parameters, urdf, source)
         contacts = contacts_of(robot, shapes)
         carriers = robot.link if robot.urdf is None else links
-        root = ["body"] if robot.urdf is None else []
-        names = dict.fromkeys([*root, *(link.name for link in carriers)])
+        names: dict[str, str | None] = {"body": None} if robot.urdf is None else {}
+        names |= {link.name: link.parent for link in carriers}
         faults += link_faults(robot) if robot.urdf is None else ()
         faults += contact_faults(robot, names)
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)
@@ -118,6 +119,7 @@ def parse_recipe(
         source=source,
         function=function,
         wheels=wheels_of(robot, contacts),
+        axles=axles_of(robot),
         urdf=urdf if robot.urdf is not None else None,
         groups=tuple(Group(one.name, tuple(one.contacts)) for one in robot.group),
         forces=tuple(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lutgen.parts import ZERO, Contact, Joint, Link, Parameter, Vector, Wheel, to_internal
+from lutgen.parts import ZERO, Axle, Contact, Joint, Link, Parameter, Vector, Wheel, to_internal
 from lutgen.recipe import schema
 from lutgen.recipe.schema import ANGLE_UNITS, Robot
 from lutgen.vector import Floats
@@ -87,6 +87,21 @@ def contacts_of(robot: Robot, shapes: Mapping[int, Sequence[Contact]]) -> tuple[
             width, belt = one.width or 0.0, one.belt or ""
             result.append(replace(contact, rolling=one.rolling, width=width, belt=belt))
     return tuple(result)
+
+
+def axles_of(robot: Robot) -> tuple[Axle, ...]:
+    """Return the axles of a robot that swing."""
+    return tuple(
+        Axle(
+            one.name,
+            (one.contacts[0], one.contacts[1]),
+            one.link,
+            three(one.pivot),
+            unit(one.axis),
+            None if one.stops is None else math.radians(one.stops),
+        )
+        for one in robot.axle
+    )
 
 
 def wheels_of(robot: Robot, contacts: Sequence[Contact]) -> tuple[Wheel, ...]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from lutgen.parts import Contact, parents_first
+from lutgen.parts import Contact, parents_first, way_up
 from lutgen.recipe.load import Fault
 from lutgen.recipe.robot import unit
 from lutgen.recipe.rules import absent, given, known_name, twice
@@ -93,14 +93,15 @@ def contact_faults(robot: Robot, links: Collection[str]) -> Iterator[Fault]:
 
 def part_faults(
     robot: Robot,
-    links: Collection[str],
+    links: Mapping[str, str | None],
     massive: bool,
     contacts: Sequence[Contact],
     shapes: Mapping[int, Sequence[Contact]],
 ) -> Iterator[Fault]:
     """Yield the faults of all contacts together, and of wheels, payloads and forces.
 
-    `massive` says whether any link has a mass; `contacts` are all, those of links' `shapes`, too.
+    `links` has the parent of each; `massive` says whether any has a mass; `contacts` are all,
+    those of links' `shapes`, too.
     """
     names = [[one.name] if one.name and one.position else [] for one in robot.contact]
     for place, found in shapes.items():
@@ -111,14 +112,16 @@ def part_faults(
         way_out = "keep those that can touch the ground, of a curved sole one every few degrees"
         way_out = "add contacts" if len(contacts) < 3 else way_out
         yield Fault("robot.contact", what, len(contacts), way_out)
-    yield from _wheel_faults(robot, {contact.name: contact for contact in contacts})
+    named = {contact.name: contact for contact in contacts}
+    yield from _axle_faults(robot, links, named)
+    yield from _wheel_faults(robot, named)
     yield from twice("robot.group", [[one.name] for one in robot.group])
     for place, group in enumerate(robot.group, 1):
-        key, known = f"robot.group[{place}].contacts", [contact.name for contact in contacts]
+        key = f"robot.group[{place}].contacts"
         if not group.contacts:
             yield Fault(key, "names no contact", group.contacts, "name one or more")
         for name in group.contacts:
-            yield from known_name(key, name, known, "contact")
+            yield from known_name(key, name, named, "contact")
     if robot.mass is not None and not massive:
         what = "counts for nothing on a robot without masses"
         yield Fault("robot.mass", what, robot.mass, "give its links masses in kg")
@@ -134,6 +137,25 @@ def part_faults(
                 name = "force" if isinstance(part, Force) else "mass"
                 what, got = "counts for nothing on a robot without masses", getattr(part, name)
                 yield Fault(f"{key}.{name}", what, got, "give its links masses in kg")
+
+
+def _axle_faults(
+    robot: Robot, links: Mapping[str, str | None], contacts: Mapping[str, Contact]
+) -> Iterator[Fault]:
+    yield from twice("robot.axle", [[axle.name] for axle in robot.axle])
+    carried: set[str] = set()
+    for place, axle in enumerate(robot.axle, 1):
+        key = f"robot.axle[{place}]"
+        yield from known_name(f"{key}.link", axle.link, links, "link")
+        for side, name in enumerate(axle.contacts, 1):
+            here = f"{key}.contacts[{side}]"
+            yield from known_name(here, name, contacts, "contact")
+            if name in carried:
+                yield Fault(here, "is on an axle already", name, "name two that are on no other")
+            carried.add(name)
+            if name in contacts and axle.link not in way_up(links, contacts[name].link):
+                what = f"is not carried by {axle.link!r}, which holds the pivot"
+                yield Fault(here, what, name, "name the link that carries the axle")
 
 
 def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fault]:

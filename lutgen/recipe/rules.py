@@ -73,7 +73,7 @@ def head_faults(file: File) -> Iterator[Fault]:
             yield Fault("robot.length_unit", what, robot.length_unit, way_out)
     elif robot.python is not None:
         # Code gives places only: which way an axle on them points is not known.
-        parts = ("link", "contact", "wheel", "group", "payload", "force", "mass")
+        parts = ("link", "contact", "axle", "wheel", "group", "payload", "force", "mass")
         yield from given(
             robot, "robot", parts, "cannot be combined with `robot.python`", "remove it"
         )

@@ -170,6 +170,21 @@ class Contact(Table):
     belt: Text | None = may("Discs of one belt are drawn as a track, for figures.", "left")
 
 
+class Axle(Table):
+    """An axle that swings freely about a pivot, as a tractor's front axle does."""
+
+    name: Text = key("A name of its own.", "front")
+    contacts: Annotated[list[Text], Field(min_length=2, max_length=2)] = key(
+        "The two that it carries, one on either side.", ["front_left", "front_right"]
+    )
+    pivot: Place = key("A point of the line about which it swings.", [2.3, 0, 0.5])
+    axis: Direction = may("Along that line.", [1, 0, 0], [1, 0, 0])
+    link: Text = may("What holds the pivot, and the frame of it.", "chassis", "body")
+    stops: Annotated[Finite, Field(gt=0, le=90), _in("deg")] | None = may(
+        "How far it swings to either side; changes no verdict.", 11.0
+    )
+
+
 class Wheel(Table):
     """A contact that is driven, for `lutgen wheels`."""
 
@@ -252,6 +267,7 @@ class Robot(Table):
     parameter: list[Parameter] = tables("What the robot can change, in the order of the axes.")
     link: list[Link] = tables("Rigid parts, a tree with the root `body`.")
     contact: list[Contact] = tables(f"Places that can touch the ground, 3 to {MAX_CONTACTS}.")
+    axle: list[Axle] = tables("Pairs of contacts that swing about a pivot.")
     wheel: list[Wheel] = tables("Contacts that are driven, for `lutgen wheels`.")
     group: list[Group] = tables("Contacts that carry together; without any each alone.")
     payload: list[Payload] = tables("What the robot carries.")

@@ -1,14 +1,16 @@
 """One posture into its support facets and its standing region.
 
 In reading order: `primitive`, `table`, `polygon`, `covered`, `tilting`, `gather`, `facets`,
-`rests`, `rolling`, `region`, `gaps`, `search`.
+`pivots`, `rests`, `rolling`, `region`, `gaps`, `search`.
 """
 
 from lutgen.support.covered import STICKS_OUT, lies_within
 from lutgen.support.polygon import plane_axes
 from lutgen.support.primitive import (
+    AXLE,
     DISC,
     FACE_ANGLE,
+    FIRST,
     KIND,
     RADIUS,
     SPHERE,
@@ -48,12 +50,14 @@ from lutgen.support.table import (
 __all__ = [
     "ACCEPTED",
     "ARCS",
+    "AXLE",
     "CONES",
     "CONVEX",
     "DISC",
     "EDGES",
     "FACETS",
     "FACE_ANGLE",
+    "FIRST",
     "KIND",
     "MAX_PRIMITIVES",
     "OFF_FACE",

@@ -83,12 +83,14 @@ def _enter(
         return False
     write3(facet[f].normal, normal)
     facet[f].mask, facet[f].first, facet[f].count, facet[f].place = mask, first, corners, -1
+    facet[f].swings = 0
     height = -math.inf
     for k in range(corners):
         e, point = first + k, support_contact(primitives, region.ids[k], normal)
         write3(edge[e].point, point)
         edge[e].primitive, edge[e].facet, edge[e].twin = region.ids[k], f, -1
         edge[e].held[0], edge[e].held[1] = 1.0, 0.0
+        edge[e].raised[0] = edge[e].raised[1] = 1.0
         height = max(height, dot(point, normal))
     for e in range(first, first + corners):
         start, stop = read3(edge[e].point), read3(edge[first + (e - first + 1) % corners].point)
@@ -99,7 +101,7 @@ def _enter(
 
 
 @njit(bare=True)
-def _forget_edges(region: Region, first: int, corners: int) -> None:
+def forget_edges(region: Region, first: int, corners: int) -> None:
     """Take edges out of use: they belong to no facet, and no twin leads to them."""
     edge = region.edge
     for e in range(first, first + corners):
@@ -135,7 +137,7 @@ def _add_contacts(primitives: Floats, region: Region, f: int, mask: int, same: f
         # What is below the new plane is in it, too.
         mask |= all_touching(primitives, region, normal, i, same)
     if _enter(primitives, region, f, normal, mask, same):
-        _forget_edges(region, first, corners)
+        forget_edges(region, first, corners)
 
 
 @njit(bare=True)
@@ -150,7 +152,7 @@ def _grow(primitives: Floats, region: Region, f: int, mask: int, same: float) ->
             other += 1
             continue
         mask = facet[other].mask
-        _forget_edges(region, facet[other].first, facet[other].count)
+        forget_edges(region, facet[other].first, facet[other].count)
         facet[other].mask, facet[other].count, facet[other].height = 0, 0, -1.0
         _add_contacts(primitives, region, f, mask, same)
         other = 0

@@ -2,7 +2,9 @@
 
 The primitives of a posture are the rows of one array (n, 8): centre x, y, z; axis x, y, z (zero
 unless a disc); radius (zero of a point); kind.  Lengths in the recipe's unit, relative to the com,
-body frame.
+body frame.  Behind them are two rows for each axle that swings, of a kind of their own: a point and
+the direction of the line about which it does, and its two contacts, FIRST * i + j; the com of the
+rest of the robot, three zeros, and its share of the mass.
 """
 
 import math
@@ -26,6 +28,7 @@ from lutgen.vector import (
 )
 
 POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
+AXLE, FIRST = 3.0, 64
 RADIUS, KIND = 6, 7
 # A disc whose axis is within this angle (rad) of the plane's normal lies on its face.
 FACE_ANGLE = 1e-6
@@ -48,6 +51,15 @@ def pack(
     rows[..., RADIUS] = radius
     rows[..., KIND] = kind
     return rows
+
+
+@njit(bare=True)
+def contact_count(primitives: Floats) -> int:
+    """Return how many rows are contacts: axles that swing stand behind them."""
+    count = int(primitives.shape[0])
+    while count > 0 and primitives[count - 1, KIND] == AXLE:
+        count -= 1
+    return count
 
 
 @njit(inline=True, bare=True)

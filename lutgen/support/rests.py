@@ -5,7 +5,8 @@ four wheels whose positions are off by a little make up one rectangle.
 """
 
 from lutgen.jit import njit
-from lutgen.support.gather import bit_count
+from lutgen.support.gather import bit_count, leave_old_edges_out
+from lutgen.support.pivots import swing
 from lutgen.support.polygon import corners_of, measure_polygon, plane_axes
 from lutgen.support.primitive import DISC, KIND, axle, support_contact, support_height
 from lutgen.support.table import (
@@ -49,25 +50,27 @@ def _seat_at(primitives: Floats, region: Region, place: int, f: int, accept: Acc
     normal, height, mask, corners = read3(facet.normal), facet.height, facet.mask, facet.count
     for k in range(corners):
         write3(region.polygon[k], read3(region.edge[facet.first + k].point))
-    if bit_count(mask) > corners:
+    if bit_count(mask) > corners and facet.swings == 0:
         corners = corners_of(primitives, mask, normal, 0.0, region)
         for k in range(corners):
             write3(region.polygon[k], support_contact(primitives, region.ids[k], normal))
     points = region.polygon[:corners]
     centroid, width = measure_polygon(points, normal)
-    first, second = plane_axes(normal)
+    one, two = plane_axes(normal)
     plane = scale(normal, 1.0 / height)
     write3(seat.normal, normal)
     write3(seat.plane, plane)
     write3(seat.centroid, centroid)
-    write3(seat.axes[0], along(first, plane, -dot(first, centroid)))
-    write3(seat.axes[1], along(second, plane, -dot(second, centroid)))
+    write3(seat.axes[0], along(one, plane, -dot(one, centroid)))
+    write3(seat.axes[1], along(two, plane, -dot(two, centroid)))
     seat.height, seat.mask, seat.facet, seat.group = height, mask, f, place
     seat.is_rest = 1 if asks_nothing(accept) or (width > 0.0 and width >= accept.rest_width) else 0
 
 
 @njit(bare=True)
-def find_rests(primitives: Floats, region: Region, accept: Acceptance, size: float) -> None:
+def find_rests(
+    primitives: Floats, axles: Floats, region: Region, accept: Acceptance, size: float
+) -> None:
     """Fill the accepted facets of one posture; none if there is no rest among them.
 
     If every gap counts (`rock_angle` infinite) every accepted facet is a rest.
@@ -83,6 +86,10 @@ def find_rests(primitives: Floats, region: Region, accept: Acceptance, size: flo
             for i in range(primitives.shape[0]):
                 if level - support_height(primitives, i, normal) <= near:
                     facet[f].mask |= 1 << i
+            if axles.shape[0] > 0 and swing(primitives, axles, region, f, same) < 0:
+                facet[f].place = -1
+    if axles.shape[0] > 0:
+        leave_old_edges_out(region)
     accepted = rests = 0
     for f in range(count[FACETS]):
         if facet[f].place < 0:

@@ -4,6 +4,7 @@ from lutgen.jit import njit
 from lutgen.support.covered import show
 from lutgen.support.facets import find_facets
 from lutgen.support.gaps import find_gaps
+from lutgen.support.primitive import contact_count
 from lutgen.support.region import add_boundary, add_rests
 from lutgen.support.rests import find_rests
 from lutgen.support.table import SHOWN, Acceptance, Region, robot_size
@@ -23,11 +24,13 @@ def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
     accept : Acceptance
         Which facets count, what a rest is and how far the robot rocks.
     """
-    size = robot_size(primitives)
-    count = show(primitives, size, region.shown, region.source)
+    contacts = contact_count(primitives)
+    places, axles = primitives[:contacts], primitives[contacts:]
+    size = robot_size(places)
+    count = show(places, size, region.shown, region.source)
     region.counts[SHOWN] = count
     shown = region.shown[:count]
     find_facets(shown, region, size, accept.steepest)
-    find_rests(shown, region, accept, size)
+    find_rests(shown, axles, region, accept, size)
     add_rests(region)
     add_boundary(region, find_gaps(shown, region, accept))

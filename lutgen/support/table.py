@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support.primitive import RADIUS
-from lutgen.vector import Floats, Vector, dot, read3, row, subtract
+from lutgen.vector import Floats, Vector, dot, read3, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 SAME = 1e-9
@@ -35,11 +35,14 @@ def record(vectors: str, numbers: str, integers: str, *others: tuple[Any, ...]) 
     return np.dtype([*((name, kind) for names, kind in kinds for name in names.split()), *others])
 
 
-FACET = record("normal", "height", "mask first count place")
-EDGE = record("point wall", "", "primitive facet twin", ("held", "f8", 2))
+FACET = record("normal", "height", "mask first count place swings")
+EDGE = record("point wall", "", "primitive facet twin", ("held", "f8", 2), ("raised", "f8", 2))
 SEAT = record("normal plane centroid", "height", "mask facet group is_rest", ("axes", "f8", (2, 3)))
 CONE = record("", "", "first count seat status")
 ARC = record("start stop wall along amid", "spread", "", ("contacts", "i8", 2))
+# A corner of a polygon in a plane, and the inverse factors by which the ends of the edge from it on
+# are nearer to the com than the plane is: along an edge they change linearly.
+CORNER = record("", "x y begin end", "")
 
 
 class Acceptance(NamedTuple):
@@ -93,10 +96,12 @@ class Region(NamedTuple):
     SHOWN the primitives that no other one covers.
 
     `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
-    its first edge and how many, and its `place` among the accepted ones, or -1.
+    its first edge and how many, its `place` among the accepted ones, or -1, and whether it
+    `swings`: an axle stands on it.
     `edge`: contact `point` where it begins and the `primitive` there; unit inward normal of the
     `wall` through it and the com; the `twin` or -1; `held`, the part [low, high] of it over which
-    the robot may roll onto the rest beyond, low >= high for none.
+    the robot may roll onto the rest beyond, low >= high for none; `raised`, the factors by which
+    its ends are nearer to the com than `point`, on the line through a pivot.
     `seat`: the accepted facets by ascending bits of touching primitives: `plane` n / h; `axes`,
     with which the in-plane components of D_g - s are (axes . g) / (plane . g); `centroid` s of the
     support polygon; whether it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
@@ -104,7 +109,7 @@ class Region(NamedTuple):
     `wall` (w, 3): unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
     `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
-    `contacts`, `flat`, `polygon`, `ids`: scratch memory.
+    `contacts`, `flat`, `polygon`, `ids`, `swung`: scratch memory.
     """
 
     counts: NDArray[np.int64]
@@ -120,6 +125,7 @@ class Region(NamedTuple):
     flat: NDArray[np.float64]
     polygon: NDArray[np.float64]
     ids: NDArray[np.int64]
+    swung: NDArray[np.void]
 
 
 @njit()
@@ -142,8 +148,9 @@ def empty_region(primitives: int) -> Region:
         np.zeros(primitives, np.int64),
         np.zeros((3, primitives, 3)),
         np.zeros((primitives, 2)),
-        np.zeros((primitives, 3)),
+        np.zeros((4 * primitives + 4, 3)),
         np.zeros(4 * primitives + 4, np.int64),
+        np.zeros((2, 4 * primitives + 4), CORNER),
     )
 
 
@@ -166,8 +173,10 @@ def edge_after(region: Region, e: int) -> int:
 
 @njit(inline=True, bare=True)
 def ends_of(region: Region, e: int) -> tuple[Vector, Vector]:
-    """Return the contact points between which an edge lies."""
-    return read3(region.edge[e].point), read3(region.edge[edge_after(region, e)].point)
+    """Return the points between which an edge lies: contacts, or on the way to a pivot."""
+    edge, after = region.edge, edge_after(region, e)
+    begin, end = edge[e].raised[0], edge[e].raised[1]
+    return scale(read3(edge[e].point), begin), scale(read3(edge[after].point), end)
 
 
 @njit(inline=True, bare=True)

@@ -5,7 +5,7 @@ relative to the com, body frame.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -48,6 +48,21 @@ class Solid:
     braked: bool = True
 
 
+@dataclass(frozen=True)
+class Swing:
+    """An axle on a hinge: the places of its two solids, and a mass of its own at `com`.
+
+    `pivot` is on the hinge's line, along the unit vector `axis`; `stops` (rad) to either side.
+    """
+
+    solids: tuple[int, int]
+    pivot: Floats
+    axis: Floats
+    stops: float
+    mass: float
+    com: Floats
+
+
 class Primitives(NamedTuple):
     """Contacts as lutgen has them: centres and axes (n, 3), zeros unless discs, and radii (n,).
 
@@ -68,6 +83,7 @@ class Posture:
     mass: float = 10.0
     upright: float = math.radians(80.0)
     rock_angle: float = math.radians(30.0)
+    swing: Swing | None = None
 
     @cached_property
     def primitives(self) -> Primitives:
@@ -97,8 +113,18 @@ class Posture:
         limits += f"\nrock_angle = {math.degrees(self.rock_angle)!r}\n{keys}"
         lines = [f'[robot]\nname = "judged"\nlength_unit = "m"\n{limits}']
         lines.append('[[robot.link]]\nname = "body"')
+        swung: tuple[int, ...] = ()
+        if self.swing is not None:
+            swing, rest = self.swing, self.mass - self.swing.mass
+            swung = swing.solids
+            lines.append(f"mass = {rest!r}\ncom = {(-swing.mass / rest * swing.com).tolist()}")
+            lines.append(f'[[robot.link]]\nname = "axle"\nparent = "body"\nmass = {swing.mass!r}')
+            lines.append(f'com = {swing.com.tolist()}\n[[robot.axle]]\nname = "axle"')
+            lines.append(f"contacts = {[f'c{k}' for k in swung]}")
+            lines.append(f"pivot = {swing.pivot.tolist()}\naxis = {swing.axis.tolist()}")
         for k, (centre, axis, radius, rolls) in enumerate(zip(*self.primitives, strict=True)):
-            lines.append(f'[[robot.contact]]\nname = "c{k}"\nlink = "body"')
+            link = "axle" if k in swung else "body"
+            lines.append(f'[[robot.contact]]\nname = "c{k}"\nlink = "{link}"')
             lines.append(f"position = {centre.tolist()}")
             lines += [f"radius = {float(radius)!r}"] if radius else []
             lines += [f"axis = {axis.tolist()}"] if axis.any() else []
@@ -150,19 +176,41 @@ def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu:
     """
     squares = (2.0 * np.abs(posture.primitives.centres).max(axis=0) + 0.05) ** 2
     # Braked solids are part of the body; free ones carry a ten-thousandth of its mass each.
-    free = [solid for solid in posture.solids if not solid.braked]
-    light = 1e-4 * posture.mass
-    own = posture.mass - light * len(free)
-    com = -light / own * np.sum([solid.centre for solid in free], axis=0) if free else np.zeros(3)
+    light, swing = 1e-4 * posture.mass, posture.swing
+    loose = [(light, solid.centre) for solid in posture.solids if not solid.braked]
+    loose += [] if swing is None else [(swing.mass, swing.com)]
+    own = posture.mass - sum(mass for mass, _ in loose)
+    com = -sum((mass / own * at for mass, at in loose), start=np.zeros(3))
+    swung = () if swing is None else swing.solids
+    fixed = [_geom(one, light) for k, one in enumerate(posture.solids) if k not in swung]
     inertia = own / 12.0 * (squares.sum() - squares)
     contacts = f'condim="3" {SOFTNESS} contype="1" conaffinity="0" friction="{mu!r} 0 0"'
     return (
-        f'<mujoco><option {OPTION} gravity="{_text(gravity)}"/>'
+        f'<mujoco><compiler angle="radian"/><option {OPTION} gravity="{_text(gravity)}"/>'
         f"<default><geom {contacts}/></default><worldbody>"
         '<geom type="plane" size="100 100 1" contype="0" conaffinity="1"/>'
         f'<body name="robot" pos="0 0 {height!r}" xyaxes="{_text(rotation[:, :2].T.ravel())}">'
         f'<freejoint/><inertial pos="{_text(com)}" mass="{own!r}" diaginertia="{_text(inertia)}"/>'
-        f"{''.join(_geom(solid, light) for solid in posture.solids)}</body></worldbody></mujoco>"
+        f"{''.join(fixed)}{_axle(posture)}</body></worldbody></mujoco>"
+    )
+
+
+def _axle(posture: Posture) -> str:
+    """Return the axle on its hinge, as wide and heavy as it is; nothing where none swings."""
+    swing = posture.swing
+    if swing is None:
+        return ""
+    ends = [posture.solids[k] for k in swing.solids]
+    wide = float(np.linalg.norm(ends[0].centre - ends[1].centre))
+    inertia = _text([swing.mass * wide * wide / 12.0] * 3)
+    limits = f'limited="true" range="{_text([-swing.stops, swing.stops])}"'
+    light = 1e-4 * posture.mass
+    geoms = "".join(_geom(replace(one, centre=one.centre - swing.pivot), light) for one in ends)
+    return (
+        f'<body pos="{_text(swing.pivot)}">'
+        f'<joint type="hinge" axis="{_text(swing.axis)}" {limits}/>'
+        f'<inertial pos="{_text(swing.com - swing.pivot)}" mass="{swing.mass!r}" '
+        f'diaginertia="{inertia}"/>{geoms}</body>'
     )
 
 

@@ -17,6 +17,7 @@ from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.length import part
 from tests.fixtures.noise import noise
 from tests.fixtures.recipes import rover, tripod
+from tests.fixtures.tractors import tractor
 
 OK, CORRUPT = 0, 5
 
@@ -34,6 +35,7 @@ MAKERS: dict[str, tuple[Any, str]] = {
         "rails",
     ),
     "any contacts": (rover_export, "search"),
+    "an axle that swings": (lambda: rover_export(text=tractor(parameters=1)), "search"),
     "points given by code": (lambda: coded_export("coded", "legs"), "points"),
     "many given by code": (lambda: coded_export("coded", "scissors"), "search"),
     "grid": (lambda: tripod_export(codec="grid"), "tables"),

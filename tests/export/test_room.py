@@ -70,7 +70,7 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(tmp_path: Path) ->
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "markhor", "quadruped"])
+@pytest.mark.parametrize("name", ["marv", "markhor", "quadruped", "tractor"])
 def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_path: Path) -> None:
     # Certificates read with arrays that are larger than those of an export; absolem's and
     # articulated's are compared in tests/runtime.

@@ -1,0 +1,197 @@
+"""Axles that swing about a pivot: a tractor stands on its rear wheels and on its front pivot."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+import lutgen
+from lutgen.analysis import Posture, ground_tilt
+from lutgen.recipe import Recipe
+
+SIDEWAYS, NONE = math.pi / 2.0, np.zeros((1, 0))
+
+
+def tractor(
+    pivot: float | None,
+    com: tuple[float, float, float] = (0.8, 0.0, 0.9),
+    base: float = 2.3,
+    tracks: tuple[float, float] = (0.8, 0.8),
+    extra: str = "",
+    axle: float = 0.0,
+) -> Recipe:
+    """Return a robot on four feet, the front ones on an axle whose pivot is so high; None: rigid.
+
+    `base` and `tracks` are the wheelbase and half the rear and the front track, `axle` is the mass
+    of the axle, at its pivot.
+    """
+    high = pivot or 0.0
+    places = {
+        "rear_left": ("body", [0.0, tracks[0], 0.0]),
+        "rear_right": ("body", [0.0, -tracks[0], 0.0]),
+        "front_left": ("axle", [0.0, tracks[1], -high]),
+        "front_right": ("axle", [0.0, -tracks[1], -high]),
+    }
+    lines = ['[robot]\nname = "tractor"\nlength_unit = "m"\nrest_width = 0.001']
+    lines.append(f'[[robot.link]]\nname = "body"\nmass = 3000.0\ncom = {list(com)}')
+    lines.append('[[robot.link]]\nname = "axle"\nparent = "body"')
+    lines.append(f"origin = {[base, 0.0, high]}\nmass = {axle}")
+    for name, (link, place) in places.items():
+        lines.append(f'[[robot.contact]]\nname = "{name}"\nlink = "{link}"\nposition = {place}')
+    if pivot is not None:
+        lines.append(f'[[robot.axle]]\nname = "front"\npivot = {[base, 0.0, pivot]}')
+        lines.append('contacts = ["front_left", "front_right"]')
+    lines.append(extra)
+    lines.append('[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\nnodes = 17')
+    lines.append('channels = ["sdg", "tip_angle", "margin", "energy_margin", "status"]')
+    return lutgen.parse_recipe("\n".join(lines))
+
+
+def polygon(pivot: float, com: tuple[float, float, float], base: float, tracks: object) -> object:
+    """Return half planes (a, b, c), a x + b y + c <= 0, of where gravity must pierce the ground."""
+    rear, front = tracks  # type: ignore[misc]
+    ahead = base - com[0]
+    place = com[:2] + (com[2] / (com[2] - pivot)) * np.array([ahead, -com[1]])
+    carried = ConvexHull([[0.0, rear], [0.0, -rear], place]).equations
+    wheels = ConvexHull([[0.0, rear], [0.0, -rear], [base, front], [base, -front]]).equations
+    return np.vstack([carried, wheels])
+
+
+@pytest.mark.parametrize(
+    ("pivot", "sideways", "worst"),
+    [(None, 41.6, 41.6), (0.7, 38.5, 38.3), (0.5, 35.7, 35.2), (0.0, 30.1, 28.7)],
+)
+def test_a_tractor_tips_over_its_pivot(pivot: float | None, sideways: float, worst: float) -> None:
+    # Worked by hand: 0.8 (1 - 0.8 / x) / 0.9 with x = 0.8 + 1.5 * 0.9 / (0.9 - z).
+    found = ground_tilt(Posture(tractor(pivot), []))
+    assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
+        sideways, abs=0.06
+    )
+    assert math.degrees(found.guaranteed) == pytest.approx(worst, abs=0.06)
+
+
+def test_verdicts_are_those_of_a_polygon_made_by_another_way() -> None:
+    rng = np.random.default_rng(5)
+    wrong = stands = 0
+    for _ in range(60):
+        com = (rng.uniform(0.3, 1.4), rng.uniform(-0.2, 0.2), rng.uniform(0.6, 1.2))
+        # So low a pivot that no axle turns over one of its own wheels before the robot tips.
+        pivot, base = rng.uniform(0.0, 0.3) * com[2], rng.uniform(1.8, 2.6)
+        tracks = (rng.uniform(0.5, 1.0), rng.uniform(0.8, 1.0))
+        recipe = tractor(pivot, com, base, tracks)
+        across = rng.uniform(-1.2, 1.2, (300, 2))
+        down = np.column_stack([across, -np.ones(300)])
+        angle = lutgen.evaluate(recipe, NONE, down)["tip_angle"][0]
+        pierced = np.array(com[:2]) + com[2] * across
+        sides = np.asarray(polygon(pivot, com, base, tracks))
+        inside = (pierced @ sides[:, :2].T + sides[:, 2] <= 0.0).all(axis=1)
+        wrong += int(((angle >= 0.0) != inside)[np.abs(angle) > 1e-6].sum())
+        stands += int(inside.sum())
+    assert wrong == 0
+    assert 2000 < stands < 16000
+
+
+def test_a_narrow_axle_turns_over_its_own_wheel_before_the_robot_tips() -> None:
+    # Its pivot is 0.7 high and its wheels are 0.3 from the middle: atan(0.3 / 0.7) = 23.2 deg.
+    found = ground_tilt(Posture(tractor(0.7, tracks=(0.8, 0.3)), []))
+    assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
+        23.2, abs=0.02
+    )
+
+
+def test_energy_and_margin_are_those_of_the_line_through_a_wheel_and_the_pivot() -> None:
+    # Turned about the line from (0, 0.8, 0) to (2.3, 0, 0.5) until the com is highest.
+    wheel, pivot, com = np.array([0.0, 0.8, 0.0]), np.array([2.3, 0.0, 0.5]), [0.8, 0.0, 0.9]
+    line = (pivot - wheel) / np.linalg.norm(pivot - wheel)
+    arm = np.array(com) - wheel - ((np.array(com) - wheel) @ line) * line
+    up = np.array([0.0, 0.0, 1.0]) - line[2] * line
+    rise = float(np.linalg.norm(arm) * np.linalg.norm(up) - arm @ up)
+    flat = np.array([2.3, -0.8]) / math.hypot(2.3, 0.8)
+    away = float(abs(flat[0] * (0.0 - 0.8) - flat[1] * 0.8))
+    found = lutgen.evaluate(tractor(0.5), NONE, [[0, 0, -1]], ("margin", "energy_margin"))
+    assert found["energy_margin"][0, 0] == pytest.approx(rise, rel=1e-12)
+    assert found["margin"][0, 0] == pytest.approx(away, rel=1e-12)
+
+
+def test_a_higher_pivot_holds_more_until_the_axle_turns_over_its_own_wheel() -> None:
+    limits = [ground_tilt(Posture(tractor(z), [])).guaranteed for z in (0.5, 0.8, 0.86, None)]
+    assert limits == sorted(limits)
+    above = ground_tilt(Posture(tractor(2.0), [])).guaranteed
+    assert math.degrees(above) == pytest.approx(math.degrees(math.atan2(0.8, 2.0)), abs=1e-4)
+
+
+def test_the_weight_of_an_axle_does_not_hold_the_rest() -> None:
+    # Its com is at the pivot: sideways the rest tips as if the axle had no weight.
+    limits = [
+        ground_tilt(Posture(tractor(0.5, axle=mass), [])).limits(np.array([SIDEWAYS]))[0]
+        for mass in (0.0, 900.0)
+    ]
+    assert limits[0] == pytest.approx(limits[1], abs=1e-9)
+
+
+def test_the_centre_of_a_tractor_is_that_of_its_cut_triangle() -> None:
+    # The triangle (0, 0.8), (0, -0.8), (4.175, 0), cut at x = 2.3.
+    def area_and_moment(x: float) -> tuple[float, float]:
+        width = 1.6 / 4.175
+        return 1.6 * x - width * x * x / 2, 1.6 * x * x / 2 - width * x**3 / 3
+
+    area, moment = area_and_moment(2.3)
+    sdg = lutgen.evaluate(tractor(0.5), NONE, [[0, 0, -1]])["sdg"][0, 0]
+    assert sdg == pytest.approx(moment / area - 0.8, rel=1e-9)
+
+
+def test_stops_change_no_verdict_and_two_axles_carry_nothing() -> None:
+    stops = tractor(0.5, extra="").text.replace('name = "front"', 'name = "front"\nstops = 11.0')
+    down = [[0.2, 0.5, -1.0]]
+    free, stopped = (
+        lutgen.evaluate(one, NONE, down) for one in (tractor(0.5), lutgen.parse_recipe(stops))
+    )
+    assert free == stopped
+    rear = (
+        '[[robot.axle]]\nname = "rear"\npivot = [0, 0, 0.5]\ncontacts = ["rear_left", "rear_right"]'
+    )
+    both = lutgen.evaluate(tractor(0.5, extra=rear), NONE, [[0, 0, -1]])
+    assert both["tip_angle"][0, 0] == -math.pi
+
+
+def test_a_plane_on_one_wheel_of_an_axle_is_no_rest() -> None:
+    # A keel so deep that no plane touches both front wheels and three more.
+    keel = '[[robot.contact]]\nname = "keel"\nlink = "body"\nposition = [1.2, 0, -0.3]'
+    rigid, swings = tractor(None, extra=keel), tractor(0.5, extra=keel)
+    facets = [Posture(recipe, []).stance.facets for recipe in (rigid, swings)]
+    ends = {"front_left", "front_right"}
+    touched = [
+        [ends & {recipe.contact_names[i] for i in facet.touching} for facet in some]
+        for recipe, some in zip((rigid, swings), facets, strict=True)
+    ]
+    assert any(len(one) == 1 for one in touched[0])
+    assert all(len(one) != 1 for one in touched[1])
+
+
+def test_a_sweep_of_a_tractor_agrees_with_evaluate(tmp_path: Path) -> None:
+    recipe = tractor(0.5)
+    swept = lutgen.sweep(recipe, tmp_path / "map.h5")
+    exact = lutgen.evaluate(recipe, NONE, recipe.chart.directions().reshape(-1, 3), recipe.channels)
+    for name in recipe.channels:
+        np.testing.assert_allclose(swept[name].ravel(), exact[name][0], rtol=3e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ('"front_left", "front_right"', "contacts[2]"),
+        ("pivot", "pivot"),
+        ("link", "link"),
+    ],
+)
+def test_a_wrong_axle_is_named(change: str, key: str) -> None:
+    text = tractor(0.5).text
+    wrong = {
+        "contacts[2]": text.replace('"front_left", "front_right"', '"front_left", "front_left"'),
+        "pivot": text.replace("pivot = [2.3, 0.0, 0.5]", "pivot = [2.3, 0.0]"),
+        "link": text.replace('name = "front"\n', 'name = "front"\nlink = "chassis"\n'),
+    }[key]
+    with pytest.raises(lutgen.RecipeError, match=rf"robot\.axle\[1\]\.{key.replace('[', '.')[:8]}"):
+        lutgen.parse_recipe(wrong)
