@@ -15,7 +15,7 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.ground_seat import SAME, Edge, Seat, least_tilt, seat_on
+from lutgen.analysis.ground_seat import Edge, Seat, least_tilt, seat_on
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
@@ -24,6 +24,8 @@ from lutgen.vector import Floats
 
 # A slope counts as on a rest, and not beyond its edge, within this (rad).
 ON = 1e-9
+# A heading (rad) so near to where two edges meet, as the worst one is, has the lower limit.
+BESIDE = 1e-6
 # A bound is lowered by this (rad), some hundred roundings.
 ROUNDING = 1e-12
 # At which edge the limit is, over which edge the robot goes, and whether it rolls there.
@@ -123,7 +125,7 @@ class GroundTilt:
         heading = np.remainder(np.asarray(headings, np.float64) + math.pi, 2.0 * math.pi) - math.pi
         best, which = np.full(heading.shape, math.inf), np.zeros(heading.shape, np.intp)
         for i, piece in enumerate(self.pieces):
-            near = (heading >= piece.begin - SAME) & (heading <= piece.end + SAME)
+            near = (heading >= piece.begin - BESIDE) & (heading <= piece.end + BESIDE)
             tilt = np.where(near, np.maximum(piece.limit.tilt(heading), 0.0), math.inf)
             which, best = np.where(tilt < best, i, which), np.minimum(tilt, best)
         return np.where(np.isfinite(best), best, 0.0), which
