@@ -13,7 +13,7 @@ import numpy as np
 from lutgen.errors import InputError
 from lutgen.parts import Joint, parents_first
 from lutgen.recipe import Recipe, swung_links
-from lutgen.rotation import rotation
+from lutgen.rotation import axis_rotation, rotation
 from lutgen.vector import Floats, Vector
 
 # A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter,
@@ -138,12 +138,7 @@ def closed_form(recipe: Recipe) -> Closed:
         if joint is not None and joint.kind == "revolute" and joint.scale != 0.0:
             here = here @ _turn(joint, column[joint.parameter])
         elif joint is not None and joint.kind == "revolute":
-            still = Joint(joint.kind, joint.axis, joint.parameter, 1.0, joint.offset)
-            fixed = sum(
-                (v for m, v in _turn(still, 0).terms.items() if m == () or m[0][0] == "c"),
-                np.zeros((3, 3)),
-            )
-            here = here @ Sum.constant(fixed)
+            here = here @ Sum.constant(axis_rotation(joint.axis, joint.offset))
         elif joint is not None:
             travel = ("t", column[joint.parameter], 1.0)
             axis = np.array(joint.axis)

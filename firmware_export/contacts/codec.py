@@ -90,7 +90,7 @@ class Tables(AnyTables):
         macros = [
             ("SMAP_MAX_ENTRIES", terms.entries),
             ("SMAP_MAX_COORDINATES", terms.width),
-            *((switch, 1) for switch in terms.switches),
+            *[("SMAP_SERIES", 1)] * isinstance(terms, Series),
         ]
         if three is not None:
             thresholds = (three.lowest, three.steepest, three.rest_width)

@@ -3,23 +3,23 @@
 The runtime's facets are exact but for rounding; every threshold is on the side on which rounding
 cannot make an unsafe answer safe, and GUARD is taken off every distance from the boundary.
 
-Of a robot given by code contacts are `off` by more.  For distances that is no worse than a com
+For a robot given by code contacts are `off` by more.  For distances that is no worse than a com
 anywhere in a ball of that radius (`three` has the argument), and every threshold is moved by what
 it can alter of it: a width by twice that, the normal of a facet as wide as a rest by 2 off / width.
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.contacts.closed import Sum, closed_form
 from firmware_export.contacts.shown import shown_contacts
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
 from lutgen.recipe import robot_size_of
-from lutgen.support import SPHERE
+from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
 # Sine that is taken off every distance.
@@ -36,9 +36,9 @@ MOST_PITCH = math.radians(85.0)
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many
 # postures and directions tell.
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
-# Of a robot given by code: postures that tell whether a point moves along y; how many times what
-# contacts are off alters a distance from an edge's line, and where a roll ends; as which part of
-# the size rests are at least taken to be wide, and of those heights the least that is kept.
+# Postures that tell whether a contact moves along an axis.  Of a robot given by code: how many
+# times what contacts are off alters a distance from an edge's line, and where a roll ends; as which
+# part of the size rests are at least taken to be wide, and of those heights the least that is kept.
 LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 
 
@@ -94,55 +94,38 @@ def _carried(model: Model) -> list[int]:
     return [names.index(name) for axle in model.recipe.axles for name in axle.contacts]
 
 
-def _axis(model: Model) -> tuple[float, float] | None:
-    """Return the axis (x, y) of all discs, None where they have none in common."""
-    found = None
-    if model.recipe.python is not None:
-        return (0.0, 1.0)  # points have none
-    axes = closed_form(model.recipe).axes
-    for axis in (axes[at] for at in shown_contacts(model)):
-        if axis is None:
-            continue
-        if len(axis.terms) > 1 or abs(axis.terms[()][2]) > SAME:
-            return None
-        x, y = (float(value) for value in axis.terms[()][:2])
-        # Either way along the axle; that next to y needs no turn there and back.
-        size = math.hypot(x, y) * (-1.0 if (y, x) < (0.0, 0.0) else 1.0)
-        if found is None:
-            found = (x / size + 0.0, y / size + 0.0)
-        elif abs(found[0] * y - found[1] * x) > SAME * abs(size):
-            return None
-    return found or (0.0, 1.0)
+class Tracks(NamedTuple):
+    """The level axis (x, y) of all discs, and where (n,) each shown contact is along it, length."""
+
+    axis: tuple[float, float]
+    places: Floats
 
 
-def _places(model: Model) -> Floats | None:
-    """Return where each shown contact is along the common axis.
-
-    None where there is no such axis, or one moves along it.
-    """
-    axis = _axis(model)
-    if axis is None:
+@lru_cache(maxsize=8)
+def _tracks(model: Model) -> Tracks | None:
+    """Return the tracks of a robot, None where the runtime searches; postures tell."""
+    shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
+    kinds = model.kind[shown]
+    if (kinds == SPHERE).any() or model.recipe.upright > MOST_PITCH or model.recipe.axles:
         return None
-    size = robot_size_of(model.recipe)
-    row = np.array([[axis[0], axis[1], 0.0]])
-    places = []
-    if model.recipe.python is not None:
-        return _seen_places(model, SAME * size)
-    centres = closed_form(model.recipe).centres
-    for centre in (centres[at] for at in shown_contacts(model)):
-        along = Sum.constant(row) @ centre
-        if any(m and float(np.abs(v).max()) > SAME * size for m, v in along.terms.items()):
-            return None
-        places.append(float(along.terms.get((), np.zeros(1))[0]))
-    return np.array(places)
-
-
-def _seen_places(model: Model, same: float) -> Floats | None:
-    """Return where points of a robot given by code are along y, None where one moves."""
     t = np.random.default_rng(SEED).random((LOOKED, model.k))
-    t[: LOOKED // 2] = np.random.default_rng(SEED).integers(0, 2, (LOOKED // 2, model.k))
-    y = model.postures(model.at(t)).centres[:, :, 1]
-    return np.asarray(y.mean(axis=0)) if np.ptp(y, axis=0).max() <= same else None
+    t[: LOOKED // 2] = t[: LOOKED // 2].round()
+    where, axis = model.postures(model.at(t)), np.array([0.0, 1.0, 0.0])
+    axes = where.axes[:, shown][:, kinds == DISC]
+    if axes.size:
+        # Either way along the axle; that next to y needs no turn there and back.
+        axis = axes[0, 0].round(12) * (-1.0 if tuple(axes[0, 0, 1::-1]) < (0.0, 0.0) else 1.0) + 0.0
+        axis[2] = 0.0
+        axis /= math.hypot(*axis)
+        across = np.cross(axes, axis)
+        if np.abs(across).max() > SAME or np.abs(axes[..., 2]).max() > SAME:
+            return None
+    along = (where.centres[:, shown] + where.com[:, None]) @ axis
+    # Places next to each other are one, so that contacts of a track keep their order.
+    places = along.mean(axis=0).round(9 - math.floor(math.log10(size)))
+    if np.ptp(along, axis=0).max() > SAME * size or np.ptp(places) <= SAME * size:
+        return None
+    return Tracks((float(axis[0]), float(axis[1])), places)
 
 
 def _lowest(model: Model, rho: float) -> float:
@@ -172,21 +155,11 @@ def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
 
     Those of axles that swing come first, and at the end two points of each, see `closed.Closed`.
     """
-    places, shown, carried = _rails(model), shown_contacts(model), _carried(model)
-    if places is None:
+    tracks, shown, carried = _tracks(model), shown_contacts(model), _carried(model)
+    if tracks is None:
         points = range(len(model.kind), len(model.kind) + len(carried))
         return (*carried, *(at for at in shown if at not in carried), *points), True
-    return tuple(shown[at] for at in np.argsort(-places, kind="stable")), False
-
-
-def _rails(model: Model) -> Floats | None:
-    """Return where each shown contact's rail is, None where the runtime searches."""
-    spheres = model.kind[list(shown_contacts(model))] == SPHERE
-    flat = model.recipe.upright <= MOST_PITCH and not model.recipe.axles
-    places = _places(model) if flat and not spheres.any() else None
-    if places is None or np.ptp(places) <= SAME * robot_size_of(model.recipe):
-        return None
-    return places
+    return tuple(shown[at] for at in np.argsort(-tracks.places, kind="stable")), False
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:
@@ -195,10 +168,10 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     `off`, above 0 for a robot given by code, is how far (length) its contacts are off.
     """
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
-    places, (order, _) = _rails(model), order_of(model)
+    tracks, (order, _) = _tracks(model), order_of(model)
     first, axis = [len(model.recipe.axles)], (0.0, 1.0)
-    if places is not None:
-        axis, places = _axis(model) or axis, -np.sort(-places)
+    if tracks is not None:
+        axis, places = tracks.axis, -np.sort(-tracks.places)
         for at in range(1, len(order)):
             if places[first[-1]] - places[at] > SAME * size:
                 first.append(at)

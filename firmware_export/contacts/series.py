@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.contacts.pieces import MOST_PARAMETERS, Pieces, com_moves, pieces_of
-from firmware_export.contacts.terms import COMMON, MOST_ENTRIES
+from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, head
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.errors import InputError
@@ -66,22 +66,6 @@ class Series:
         return 0
 
     @property
-    def switches(self) -> tuple[str, ...]:
-        """Switches of the runtime beyond those of every robot."""
-        return ("SMAP_SERIES",)
-
-    @property
-    def shape(self) -> dict[str, int]:
-        """What the loops of the runtime depend on."""
-        return {
-            "pieces": max((len(one) - 1 for one in self.knots), default=1),
-            "degree": max(self.degrees, default=0),
-            "products": len(self.products),
-            "groups": len(self.masks),
-            "terms": max(max(row[1:]) for row in self.rows),
-        }
-
-    @property
     def bytes(self) -> int:
         """Bytes of what grows with the error asked for."""
         return sum(array.bytes for array in self._own())
@@ -91,17 +75,7 @@ class Series:
     ) -> tuple[CArray, ...]:
         """Return the codec's part of a blob; see `Terms.arrays`."""
         flags = BY_SERIES | COMMON * self.common | WIDE * (self.code_bytes == 3)
-        more = sum(array.bytes for array in many)
-        return (
-            CArray("sizes", "uint8_t", [0, 0, 0, 0, 0, 0], "no tables of closed forms", False),
-            CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
-            CArray(
-                "limits", "float", thresholds, "lowest, steepest, least width of a facet", False
-            ),
-            CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
-            *many,
-            *self._own(),
-        )
+        return (*head([0] * 4, 0, (flags, order), thresholds, many), *self._own())
 
     def _own(self) -> Iterator[CArray]:
         axes = [(len(one) - 1, n) for one, n in zip(self.knots, self.degrees, strict=True)]

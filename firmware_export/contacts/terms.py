@@ -4,7 +4,7 @@ The layout is that of runtime/smap_joints.h.  This also bounds how far single pr
 contact.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,12 +18,10 @@ from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
 # Flags of the runtime.
-COMMON, RATED, ROUND, NEAR, SHARED = 1, 2, 4, 8, 64
+COMMON, RATED, ROUND, NEAR = 1, 2, 4, 8
 # Largest angle (rad) of its shorter sine.
 NEAREST = 1.05
 MOST_ENTRIES, MOST_COORDINATES = 255, 252
-# Numbers that weights may share: a code has one bit for the sign.
-MOST_NUMBERS = 128
 NO_AXIS = 255
 # Weights smaller than this part of the robot's size are left out.
 NEGLIGIBLE = 1e-9
@@ -74,21 +72,6 @@ class Terms:
         return ()
 
     @property
-    def shape(self) -> dict[str, int]:
-        """What the loops of the runtime depend on."""
-        return {
-            "angles": len(self.angles),
-            "travels": len(self.travels),
-            "products": len(self.products),
-            "terms": max(len(one) for one in self.coordinates),
-        }
-
-    @property
-    def switches(self) -> tuple[str, ...]:
-        """Switches of the runtime beyond those of every robot."""
-        return ()
-
-    @property
     def flags(self) -> int:
         """What the runtime's tables hold."""
         rated = any(rate != 1.0 for _, rate in self.angles)
@@ -100,31 +83,20 @@ class Terms:
     ) -> tuple[CArray, ...]:
         """Return the codec's part of a blob.
 
-        `order` is its eighth byte (of many contacts it tells how many numbers their weights share
-        instead), `thresholds` the lowest height, the steepest normal and the
+        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the
         least width of a facet, `many` what the codec for many contacts adds.
         """
         terms = [term for coordinate in self.coordinates for term in coordinate]
         flags = self.flags
-        weights = [term.weight for term in terms]
         radii: Sequence[float] | Floats = self.radii if flags & ROUND else []
-        numbers = _distinct([*weights, *radii]) if many else None
-        if numbers is not None:
-            flags, order = flags | SHARED, len(numbers)
         sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
         rates = [rate for _, rate in self.angles] if flags & RATED else []
         joints = [parameter for parameter, _ in self.angles] + list(self.travels)
-        more = sum(array.bytes for array in many)
         return (
-            CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
-            CArray("terms", "uint16_t", [len(terms)], "terms", False),
-            CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
-            CArray(
-                "limits", "float", thresholds, "lowest, steepest, least width of a facet", False
-            ),
-            CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
-            *many,
-            *_weights(weights, rates, radii, numbers),
+            *head(sizes, len(terms), (flags, order), thresholds, many),
+            CArray("weights", "float", [t.weight for t in terms], "weight of each term, length"),
+            CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
+            CArray("radii", "float", radii, "radius of each contact"),
             CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
             CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
             CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
@@ -135,36 +107,23 @@ class Terms:
         )
 
 
-def _distinct(values: Sequence[float]) -> list[float] | None:
-    """Return the sizes of numbers in single precision, each once, if so they take fewer bytes."""
-    sizes = np.unique(np.abs(np.asarray(values, np.float32)))
-    fewer = 4 * len(sizes) + len(values) < 4 * len(values)
-    return [float(size) for size in sizes] if fewer and len(sizes) <= MOST_NUMBERS else None
-
-
-def _weights(
-    weights: Sequence[float],
-    rates: Sequence[float],
-    radii: Sequence[float] | Floats,
-    numbers: Sequence[float] | None,
-) -> Iterator[CArray]:
-    """Return the arrays of weights, rates and radii, or which of some numbers each is."""
-    text = "of each angle: rad for each rad of its parameter"
-    if numbers is None:
-        yield CArray("weights", "float", weights, "weight of each term, length")
-        yield CArray("rates", "float", rates, text)
-        yield CArray("radii", "float", radii, "radius of each contact")
-        return
-
-    def codes(values: Sequence[float] | Floats) -> list[int]:
-        single = np.asarray(values, np.float32)
-        negative = np.where(np.signbit(single), 128, 0)
-        return [int(at) for at in np.searchsorted(numbers, np.abs(single)) + negative]
-
-    yield CArray("numbers", "float", numbers, "sizes of weights, and radii; length")
-    yield CArray("rates", "float", rates, text)
-    yield CArray("weights", "uint8_t", codes(weights), "number of each term, + 128: negative")
-    yield CArray("radii", "uint8_t", codes(radii), "number of each contact's radius")
+def head(
+    sizes: Sequence[int],
+    terms: int,
+    flags: tuple[int, int],
+    thresholds: Sequence[float],
+    many: Sequence[CArray],
+) -> tuple[CArray, ...]:
+    """Return what the codec's part of a blob begins with; see `Terms.arrays`."""
+    more = sum(array.bytes for array in many)
+    return (
+        CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
+        CArray("terms", "uint16_t", [terms], "terms", False),
+        CArray("flags", "uint8_t", flags, "flags, order of the contacts", False),
+        CArray("limits", "float", thresholds, "lowest, steepest, least width of a facet", False),
+        CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
+        *many,
+    )
 
 
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:

@@ -87,8 +87,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
   const float *const corner[4] = {w->corner[e], w->corner[end], w->corner[rear], w->corner[back]};
   const float square = w->map->size * w->map->size;
-  float half[2][3], amid[3], span[2] = {0.0f, 1.0f}, d[3], turned2;
-  smap_turn_t turn[2];
+  float half[2][3], span[2] = {0.0f, 1.0f}, d[3], turned2;
   smap_landing_t l;
   uint8_t side;
   int slit, one = w->joined[e];
@@ -102,14 +101,12 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   slit = smap_dot(half[0], half[0]) + smap_dot(half[1], half[1]) < SMAP_SLIT * SMAP_SLIT * square;
   if (!one) {
     l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
-    smap_find_half(w, e, d, amid, half);
-    smap_find_turn(from, amid, &turn[0]);
-    smap_find_turn(amid, to, &turn[1]);
-    smap_roll(&turn[0], &turn[1], 1.0f, corner, half, corner + 2, &l);
+    smap_find_half(w, e, d, half);
+    smap_roll(from, to, corner, half, corner + 2, &l);
     if (!smap_land(w, back, &l, span)) {
       return;
     }
-    smap_roll(&turn[1], &turn[0], -1.0f, corner + 2, half, corner, &l);
+    smap_roll(to, from, corner + 2, half, corner, &l);
     if (!smap_land(w, e, &l, span)) {
       return;
     }

@@ -11,8 +11,6 @@
  *                             7 order u8          16 rest_width f32   if -n_z is greater
  *  20 bytes of the codec for many contacts u16          22 that, and then
  *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
- *     with SMAP_SHARED, which only many contacts have, instead: numbers f32[order]; rates; which of them
- *     each weight is u8[terms], + 128: negative; which of them each radius is u8[contacts];
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
  *
@@ -20,7 +18,7 @@
  * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
  * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
-enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32, SMAP_SHARED = 64 };
+enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };
 enum {
   SMAP_IN_ANGLES = 0,
   SMAP_IN_TRAVELS = 1,
@@ -28,7 +26,6 @@ enum {
   SMAP_IN_AXES = 3,
   SMAP_IN_TERMS = 4,
   SMAP_IN_FLAGS = 6,
-  SMAP_IN_ORDER = 7,
   SMAP_IN_LOWEST = 8,
   SMAP_IN_STEEPEST = 12,
   SMAP_IN_REST_WIDTH = 16,
@@ -39,7 +36,7 @@ enum {
 
 /* Where each table of the body begins. */
 typedef struct {
-  smap_bytes_t weights, rates, codes, radii, joints, products, axis_of, counts, entries, end;
+  smap_bytes_t weights, rates, radii, joints, products, axis_of, counts, entries, end;
   uint8_t contacts, coordinates;
 } smap_places_t;
 
@@ -47,32 +44,20 @@ SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t angles = body[SMAP_IN_ANGLES], flags = body[SMAP_IN_FLAGS];
-  const int shared = (flags & SMAP_SHARED) != 0;
   const uint16_t terms = smap_u16(body + SMAP_IN_TERMS);
   smap_places_t at;
   at.contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   at.coordinates = (uint8_t)((flags & SMAP_COMMON ? 3 : 0) + 3 * at.contacts + 3 * body[SMAP_IN_AXES]);
   at.weights = body + SMAP_IN_MANY + smap_u16(body + SMAP_IN_MANY_BYTES);
-  at.rates = at.weights + 4 * (shared ? body[SMAP_IN_ORDER] : terms);
-  at.codes = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
-  at.radii = at.codes + (shared ? terms : 0);
-  at.joints = at.radii + (flags & SMAP_ROUND ? (shared ? 1 : 4) * at.contacts : 0);
+  at.rates = at.weights + 4 * terms;
+  at.radii = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
+  at.joints = at.radii + (flags & SMAP_ROUND ? 4 * at.contacts : 0);
   at.products = at.joints + angles + body[SMAP_IN_TRAVELS];
   at.axis_of = at.products + 2 * body[SMAP_IN_PRODUCTS];
   at.counts = at.axis_of + (body[SMAP_IN_AXES] != 0 ? at.contacts : 0);
   at.entries = at.counts + at.coordinates;
   at.end = at.entries + terms;
   return at;
-}
-
-/* The weight of a term. */
-SMAP_FOLDED float smap_weight(const smap_t *map, const smap_places_t *at, uint16_t term)
-{
-  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_SHARED) {
-    const float size = smap_f32(at->weights + 4 * (at->codes[term] & 127u));
-    return at->codes[term] & 128u ? -size : size;
-  }
-  return smap_f32(at->weights + 4 * term);
 }
 
 /* The entries of one posture. */
@@ -125,7 +110,7 @@ SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_
     float sum = 0.0f;
     SMAP_FOLD
     for (k = 0; k < count; k++, term++) {
-      const float value = smap_weight(map, &at, term) * entry[at.entries[term]];
+      const float value = smap_f32(at.weights + 4 * term) * entry[at.entries[term]];
       sum = k == 0 ? value : sum + value;
     }
     *(i < shared ? &common[i] : &p[i - shared]) = sum;
@@ -147,7 +132,6 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   const smap_bytes_t body = smap_body(map);
   uint32_t sum = 0, fixed, i;
   uint16_t terms;
-  int shared;
   smap_places_t at;
   if (limit - body < SMAP_IN_MANY) {
     return 0;
@@ -160,19 +144,13 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   if (fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||
       3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > SMAP_MAX_COORDINATES ||
       3u + 3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > 255u ||
-      (body[SMAP_IN_FLAGS] & ~SMAP_SHARED) > 15) {
+      body[SMAP_IN_FLAGS] > 15) {
     return 0;
   }
   at = smap_places(map);
-  shared = (body[SMAP_IN_FLAGS] & SMAP_SHARED) != 0;
   if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
-      !smap_check_singles(at.weights, (uint32_t)((shared ? at.codes : at.joints) - at.weights) / 4u)) {
+      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u)) {
     return 0;
-  }
-  for (i = 0; shared && i < (uint32_t)(at.joints - at.codes); i++) { /* of terms, then of contacts */
-    if ((at.codes[i] & (i < terms ? 127u : 255u)) >= body[SMAP_IN_ORDER]) {
-      return 0;
-    }
   }
   for (i = 0; i < (uint32_t)(at.products - at.joints); i++) {
     if (at.joints[i] >= SMAP_BLOB(map)[SMAP_AT_PARAMS]) {

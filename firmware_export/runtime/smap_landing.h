@@ -9,80 +9,52 @@
  *   in w.  The robot stays where S^2 >= E (2 N + E); as no geometric mean is above an arithmetic one, where
  *   S >= (c E + (2 N + E) / c) / 2 for any c: what lets go of it is then one end of the way. */
 #define SMAP_ROUND_OFF 1e-6f /* of the size squared: what rounding may alter of S, N and E, */
-#define SMAP_SUNK 1.003f     /* and of E, of which a half-way place stands for a whole arc */
+#define SMAP_SUNK 1.01f      /* and of E, of which a half-way place stands for a whole arc */
 #define SMAP_DOT 2e-6f       /* of the size: an edge that is shorter holds and bounds nothing of its own */
-#define SMAP_HALVES 2        /* rounds of Newton's method for the plane half-way over an arc */
 
 /* Gravity on arrival, and by how much the com has sunk, for w = 0 and 1. */
 typedef struct {
   float g[2][3], sunk[2], doubt; /* doubt: length squared by which S, N and E may be off */
 } smap_landing_t;
 
-/* Find the plane that both contacts of an edge touch half-way between two normals, d apart, and where.  Newton's method
- * takes the plane through the places where they touch the plane before. */
-static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], float n[3], float (*half)[3])
+/* Find where both contacts of an edge touch the plane half-way between two normals, d apart. */
+static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], float (*half)[3])
 {
-  const uint8_t i = w->contact[e], j = w->contact[smap_after(w, e)];
-  const float *const from = w->normal[w->rest[e]];
-  float v[3];
+  const uint8_t contact[2] = {w->contact[e], w->contact[smap_after(w, e)]};
+  float n[3], v[3];
   uint8_t left;
-  for (left = 0; left < 3; left++) {
-    n[left] = from[left] - 0.5f * d[left];
-  }
-  (void)smap_unit(n);
-  for (left = SMAP_HALVES; left > 0; left--) {
-    smap_touch(w, i, n, half[0]);
-    smap_touch(w, j, n, half[1]);
+  smap_mix(w->normal[w->rest[e]], w->normal[w->rest[w->twin[e]]], 0.5f, n);
+  for (left = 2; left > 0; left--) { /* one round of Newton's method: see smap_roll.h */
+    (void)smap_unit(n);
+    smap_touch(w, contact[0], n, half[0]);
+    smap_touch(w, contact[1], n, half[1]);
     smap_minus(half[0], half[1], v);
     smap_cross(v, d, n);
-    (void)smap_unit(n);
   }
 }
 
-/* The least rotation from unit vector a to b: its axis times the sine, and 1 / (1 + cosine). */
-typedef struct {
-  float axis[3], share;
-} smap_turn_t;
-
-static void smap_find_turn(const float a[3], const float b[3], smap_turn_t *turn)
+/* Roll from a rest with one normal to that with another: gravity turns with the body, and the com sinks by the integral
+ * of -p . dg over a contact that is at p, half-way at m, at last at q: both as parabolas. */
+static void smap_roll(const float from[3], const float to[3], const float *const *p, float (*m)[3],
+                      const float *const *q, smap_landing_t *l)
 {
-  smap_cross(a, b, turn->axis);
-  turn->share = 1.0f / (1.0f + smap_dot(a, b));
-}
-
-/* By how much a rotation, or with sign -1 the one back, turns g. */
-static void smap_turn(const smap_turn_t *turn, float sign, const float g[3], float out[3])
-{
-  float across[3];
-  uint8_t k;
-  smap_cross(turn->axis, g, across);
-  smap_cross(turn->axis, across, out);
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = sign * across[k] + turn->share * out[k];
-  }
-}
-
-/* Roll from one rest to another: gravity turns half-way and the rest of the way, back where sign is -1, and the com
- * sinks by the integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
-static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float sign, const float *const *p,
-                      float (*m)[3], const float *const *q, smap_landing_t *l)
-{
+  const float more = 1.0f + smap_dot(from, to), share = 1.0f / more;
+  const float half = smap_root(0.5f * share), half_share = half * half / (1.0f + more * half); /* of half the turn */
+  float axis[3];
   uint8_t k, w;
+  smap_cross(from, to, axis);
   SMAP_TWICE
   for (w = 0; w < 2; w++) {
-    float half[3], amid[3], more[3], sunk = 0.0f;
-    smap_turn(first, sign, p[w], half);
-    SMAP_THRICE
-    for (k = 0; k < 3; k++) {
-      amid[k] = p[w][k] + half[k];
-    }
-    smap_turn(second, sign, amid, more);
+    float across[3], end[3], sunk = 0.0f;
+    smap_cross(axis, p[w], across);
+    smap_cross(axis, across, end);
     SMAP_THRICE
     for (k = 0; k < 3; k++) { /* from p on, lest a small rise loses its digits */
-      const float via = m[w][k] - p[w][k], to = q[w][k] - p[w][k], end = half[k] + more[k];
-      sunk += (2.0f / 3.0f) * (half[k] * to - end * via) - end * (p[w][k] + 0.5f * to);
-      l->g[w][k] = p[w][k] + end;
+      const float via = m[w][k] - p[w][k], by = q[w][k] - p[w][k];
+      const float amid = half * across[k] + half_share * end[k];
+      end[k] = across[k] + share * end[k];
+      sunk += (2.0f / 3.0f) * (amid * by - end[k] * via) - end[k] * (p[w][k] + 0.5f * by);
+      l->g[w][k] = p[w][k] + end[k];
     }
     l->sunk[w] = SMAP_SUNK * sunk + l->doubt;
     l->sunk[w] = l->sunk[w] > 0.5f * l->doubt ? l->sunk[w] : 0.5f * l->doubt;

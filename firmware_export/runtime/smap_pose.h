@@ -60,9 +60,7 @@ SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap
   smap_positions(map, q, p);
   for (i = 0; i < at.contacts; i++) {
     memcpy(work->p[i], &p[3 * i], sizeof work->p[i]);
-    work->r[i] = !(flags & SMAP_ROUND)   ? 0.0f
-                 : (flags & SMAP_SHARED) ? smap_f32(at.weights + 4 * at.radii[i])
-                                         : smap_f32(at.radii + 4 * i);
+    work->r[i] = flags & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
     if (SMAP_DISCS > 0) {
       work->axle_of[i] = smap_body(map)[SMAP_IN_AXES] != 0 ? at.axis_of[i] : (uint8_t)SMAP_NO_AXIS;
     }

@@ -19,14 +19,12 @@
 
 /* Rests of discs and points on parallel axes: the history of a hull over pitch.
  *
- *   Contacts at one y are a track, from the left to the right; its level at a pitch is L = max (x s - z c + r), with sine s and cosine c of the
- *   pitch.  Two tracks carry the robot where they are neighbours on the upper hull of the points (y, L):
- *
+ *   Contacts at one y are a track, from the left to the right; its level at a pitch is L = max (x s - z c + r),
+ *   with sine s and cosine c of the pitch.  Two tracks carry where they are neighbours on the upper hull of (y, L):
  *       L ^     o-------o          As the pitch grows a track goes on to another disc (a bend), or leaves the hull, or
  *         |    /         `-o       enters it.  At each such event all that is on one line there makes up a facet:
  *         |   o   x (off)  |       its corners are the discs that were on the hull, and those that are now.
  *         +---------------------> right
- *
  * A facet's plane is s x + t y - c z = h |(s, t, -c)|, with the slope t of that line. */
 #define SMAP_UNITE 2e-5f   /* rad: changes that are nearer are one facet's */
 #define SMAP_TURNED 2.0f   /* times what a facet is bent at a track that turns walls may be off */
@@ -102,12 +100,10 @@ static float smap_turn_of(const smap_work_t *w, const smap_hull_t *h, uint8_t k,
   uint8_t a = k, b = k, d = h->disc[k];
   const float *p = w->p[d], *pa, *pb;
   float part, rest, x, z, q;
-  do {
-    a--;
-  } while (!h->on[a]); /* the first and the last always are */
-  do {
-    b++;
-  } while (!h->on[b]);
+  while (!h->on[--a]) { /* the first and the last always are */
+  }
+  while (!h->on[++b]) {
+  }
   a = h->disc[a];
   b = h->disc[b];
   pa = w->p[a];
@@ -154,7 +150,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   const float s = plane[0], c = plane[2], size = 1.0f / smap_root(1.0f + plane[1] * plane[1]);
   const float n[3] = {s * size, plane[1] * size, -c * size};
   float p[2 * SMAP_TRACKS][3], extent[SMAP_MAX_CONTACTS];
-  uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first = SMAP_NONE;
+  uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first;
   *side = SMAP_NONE;
   for (j = 0; j <= last; j++) { /* the way that was on the hull */
     k = list[j];
@@ -171,15 +167,13 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
       track[count++] = k;
     }
   }
-  if (smap_is_accepted(w, n, (smap_level(w, id[0], s, c) + w->p[id[0]][1] * plane[1]) * size)) {
-    for (j = 0; j < count; j++) {
-      smap_touch_at(w, id[j], s, c, p[j]);
-    }
-    for (j = 0; j < w->map->contacts; j++) {
-      extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
-    }
-    first = smap_add_rest(w, n, p, id, count, extent, 0);
+  for (j = 0; j < count; j++) {
+    smap_touch_at(w, id[j], s, c, p[j]);
   }
+  for (j = 0; j < w->map->contacts; j++) {
+    extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
+  }
+  first = smap_add_rest(w, n, p, id, count, extent, 0);
   if (first != SMAP_NONE) {
     for (j = 0; j + 1 < turns; j++) {
       if (h->pend[track[j]] != SMAP_NONE) {
@@ -270,11 +264,13 @@ static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
   }
 }
 
-/* Put the contacts into the frame of the axis; find the disc of each track before any rest. */
-static void smap_lay_out(smap_work_t *w, smap_hull_t *h)
+/* Put the contacts into the frame of the axis; find the disc of each track before any rest.  Returns the
+ * sine of that pitch. */
+static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
 {
   const smap_limits_t *const m = w->map;
-  const float c = SMAP_BEFORE * m->steepest, s = -smap_root(1.0f - c * c), d = SMAP_EARLIER * m->steepest;
+  const float c = SMAP_BEFORE * m->steepest, s = -smap_root(1.0f - c * c);
+  const float d = SMAP_EARLIER * m->steepest, early = -smap_root(1.0f - d * d);
   uint8_t k, i;
   for (k = 0; k < m->tracks; k++) {
     const uint8_t first = m->first[k];
@@ -294,23 +290,20 @@ static void smap_lay_out(smap_work_t *w, smap_hull_t *h)
     h->on[k] = 1;
     h->changed[k] = 0;
     h->pend[k] = SMAP_NONE;
-    smap_next_bend(w, h, k, -smap_root(1.0f - d * d));
+    smap_next_bend(w, h, k, early);
   }
-  if (m->tracks > 2) {
-    smap_lay_hull(w, h, s, c);
-  }
+  smap_lay_hull(w, h, s, c);
+  return s;
 }
 
 /* Add the rests of a posture. */
 SMAP_APART static void smap_find_rests(smap_work_t *w)
 {
   const uint8_t tracks = w->map->tracks;
-  const float c = SMAP_BEFORE * w->map->steepest;
   const float end = smap_root(1.0f - w->map->steepest * w->map->steepest);
-  float before = -smap_root(1.0f - c * c);
   smap_hull_t h;
+  float c, before = smap_lay_out(w, &h);
   uint8_t left, k;
-  smap_lay_out(w, &h);
   for (left = 255; left > 0; left--) {
     float s = SMAP_NEVER;
     for (k = 0; k < tracks; k++) {
@@ -323,14 +316,12 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
     if (s > end) {
       return;
     }
-    {
-      const float cosine = smap_root(1.0f - s * s);
-      if (smap_change(w, &h, s, cosine)) {
-        smap_add_facets(w, &h, s, cosine);
-        before = s;
-      } else { /* rounding alone lets a track turn here */
-        before = s + SMAP_UNITE * cosine;
-      }
+    c = smap_root(1.0f - s * s);
+    before = s;
+    if (smap_change(w, &h, s, c)) {
+      smap_add_facets(w, &h, s, c);
+    } else {
+      before += SMAP_UNITE * c; /* rounding alone lets a track turn here */
     }
   }
   w->full = 1;

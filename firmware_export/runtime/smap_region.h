@@ -113,12 +113,6 @@ SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
 
 #include "smap_polygon.h"
 
-/* Whether the com is above a facet, and it faces down. */
-SMAP_INLINE int smap_is_accepted(const smap_work_t *w, const float n[3], float height)
-{
-  return height > w->map->least_height && -n[2] > w->map->steepest;
-}
-
 /* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
  * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole polygon. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
@@ -129,7 +123,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!smap_is_accepted(w, n, height) || count < 3 || SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
       SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
@@ -192,17 +186,21 @@ static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
   }
 }
 
-/* Add a part of the boundary on a wall, from unit vector a to b. */
-static void smap_add_arc(smap_work_t *w, uint8_t wall, const float a[3], const float b[3], uint8_t i, uint8_t j)
+/* Add the part of the boundary on a wall from one place to another. */
+static void smap_add_arc(smap_work_t *w, uint8_t wall, const float from[3], const float to[3], uint8_t i, uint8_t j)
 {
   const uint8_t at = w->at->arcs;
   float *const amid = w->region->side[2 * at], *const along = w->region->side[2 * at + 1];
-  float ratio, square;
+  float a[3], b[3], ratio, square;
   uint8_t k;
   if (SMAP_IS_FULL(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
+  memcpy(a, from, sizeof a);
+  memcpy(b, to, sizeof b);
+  (void)smap_unit(a);
+  (void)smap_unit(b);
   smap_mix(a, b, 0.5f, amid); /* times the cosine of half of it */
   smap_minus(b, a, along);
   square = 0.25f * smap_dot(along, along); /* of the sine of half of it */

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from firmware_export.certify.answers import device
 from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts import terms as closed_terms
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.exporter import examine, guarded
 from firmware_export.protocol import Export, describe
@@ -96,23 +95,6 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name:
     # |SD_g| jumps where the facet changes: there rounding decides.
     assert np.percentile(np.abs(reading[safe, 0] - exact.sdg[safe, 0]), 99) < 2e-5 * size
     assert np.percentile(np.abs(reading[safe, 2] - exact.height[safe, 0]), 99) < 2e-5 * size
-
-
-def test_weights_that_share_numbers_answer_as_those_that_do_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    export = export_of("marv")
-    params = places(export.recipe, 300, 8)
-    gravity = np.random.default_rng(9).normal(size=(300, 3))
-    gravity[:, 2] = -np.abs(gravity[:, 2]) - 0.5
-    shared, fewer = device(export).read(params, gravity), export.tables.bytes
-    # Seven sizes of weights and two radii: a robot with more than there are codes shares none.
-    monkeypatch.setattr(closed_terms, "MOST_NUMBERS", 8)
-    own, more = device(export).read(params, gravity), export.tables.bytes
-    assert (fewer, more) == (145, 238)
-    assert np.isin(own[0], (OK, ROCKS)).sum() > 30
-    for one, other in zip(own, shared, strict=True):
-        assert one.tobytes() == other.tobytes()
 
 
 def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound() -> None:
