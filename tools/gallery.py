@@ -65,6 +65,7 @@ UNEQUAL = {"front_left": -10.0, "front_right": 60.0, "rear_left": -10.0, "rear_r
 RIGHT = {"params": {"front_left": 0.0, "rear_left": 0.0}, "axes": ("front_right", "rear_right")}
 TWISTED = {"front": -45.0, "rear": 0.0}
 STEERED = {"steer": 35.0, "roll": 6.0}
+LIFTED = {"track": 0.8, "loader": 40.0}
 REACHING = {"swing": 90.0, "boom": 20.0, "stick": -60.0}
 # The joints of the published description; positive angles lower a front flipper's tip.
 STAIRS = {
@@ -131,6 +132,11 @@ SHOTS: dict[str, tuple[Shot, ...]] = {
         shot("limits", "limits", "how far it may be tilted", params=REACHING),
         shot("contour", "contour", "boom and stick, arm ahead", params={"swing": 0.0}, **GROUND),
         shot("aside", "contour", "the same, arm to the left", params={"swing": 90.0}, **GROUND),
+    ),
+    "tractor": (
+        shot("robot", "robot", "the loader is up", params=LIFTED, **GROUND),
+        shot("limits", "limits", "how far it may be tilted, the loader up", params=LIFTED),
+        shot("contour", "contour", "rear track and loader", gravity=(0.0, 0.25, -1.0)),
     ),
     "absolem_urdf": (
         shot("robot", "robot", "front flippers up", params=STAIRS, gravity=slope(20.0)),

@@ -182,7 +182,7 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
         yield f"  {name} drives {', '.join(scaled(*one) for one in joints.items())}"
     yield f"  posture: {report['posture']}"
     if report["guessed"]:
-        yield "guessed from meshes:"
+        yield "guessed:"
     yield from (f"  {what}" for what in report["guessed"])
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])

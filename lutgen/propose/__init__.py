@@ -1,6 +1,6 @@
 """A robot description becomes the text of a recipe.
 
-In reading order: `contacts`, `opened`, `effects`, `symmetry`, `couplings`, `doubts`,
+In reading order: `contacts`, `opened`, `effects`, `axles`, `symmetry`, `couplings`, `doubts`,
 `text`, `proposal`.
 """
 

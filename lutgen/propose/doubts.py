@@ -26,7 +26,9 @@ def recipe_doubts(recipe: Recipe) -> tuple[str, ...]:
     if recipe.urdf is None:
         return ()
     robot = parse_urdf(recipe.urdf, recipe.source)
-    return doubts(robot, recipe.contacts, places(robot, read_motion(robot)))
+    carried = {name for axle in recipe.axles for name in axle.contacts}
+    loose = [contact for contact in recipe.contacts if contact.name not in carried]
+    return doubts(robot, loose, places(robot, read_motion(robot)))
 
 
 def doubts(
@@ -92,7 +94,7 @@ def _off(link: UrdfLink, span: float) -> float:
 def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
     """Return the joints that no motor holds though contacts hang from them."""
     above = robot.above
-    found: dict[str, str] = {}
+    found: dict[str, None] = {}
     for contact in contacts:
         turn, origin = where[contact.link]
         spot, link = origin + turn @ contact.position, contact.link
@@ -102,13 +104,11 @@ def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Pl
             about, hinge = where[joint.child]
             lever = np.linalg.norm(np.cross(about @ joint.axis, spot - hinge))
             if joint.effort == 0.0 and (lever > 1e-6 or joint.kind == "prismatic"):
-                place = ",".join(f"{x:.6g}" for x in joint.origin)
-                found[joint.name] = f"--contact '{joint.parent}={place}'"
+                found[joint.name] = None
     if not found:
         return []
-    names = ", ".join(map(repr, found))
     return [
-        f"joint {names}: effort is 0, and contacts hang from it: if nothing holds it, the robot "
-        "tips earlier than is said; of a free pivot make one contact on its axis instead of those "
-        f"behind it ({'; '.join(found.values())}), and ask for limits with --convention body"
+        f"joint {', '.join(map(repr, found))}: effort is 0, and contacts hang from it: if nothing "
+        "holds it, the robot tips earlier than is said; write two contacts on a free pivot as a "
+        "[[robot.axle]]"
     ]

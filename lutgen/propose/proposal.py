@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
+from lutgen.propose.axles import held, swinging_axles
 from lutgen.propose.contacts import (
     closed_shapes,
     listed,
@@ -17,7 +18,14 @@ from lutgen.propose.couplings import Coupling, chosen_motion
 from lutgen.propose.doubts import doubts
 from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
-from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text, unused
+from lutgen.propose.text import (
+    axle_note,
+    carrying_links,
+    guesses,
+    parameter_names,
+    recipe_text,
+    unused,
+)
 from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf.description import UrdfRobot
@@ -89,6 +97,10 @@ def import_urdf(
     robot = shaped
     if len(found) < 3:
         raise _wrong_number(robot, len(found))
+    whole, inner = robot, inner_contacts(robot, motion, found, rest)
+    outer = [contact for contact in found if contact not in inner]
+    if joints is None:
+        robot = held(robot, swinging_axles(robot, outer, rest))
     motion, because = chosen_motion(robot, found, joints, posture, coupling)
     inner = inner_contacts(robot, motion, found, rest)
     kept: dict[str, Contact] = {}
@@ -99,8 +111,10 @@ def import_urdf(
     found = list(kept.values())
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
-    warnings = doubts(robot, found, rest)
-    text = recipe_text(robot, motion, found, warnings)
+    axles = swinging_axles(whole, found, rest) if joints is None else ()
+    carried = {name for axle in axles for name in axle.contacts}
+    warnings = doubts(whole, [one for one in found if one.name not in carried], rest)
+    text = recipe_text(robot, motion, found, warnings, axles)
     left_out = _left_out(robot, motion, found, inner)
     touching = {contact.link for contact in (*found, *inner)}
     round_ = [k.name for k in robot.links if any(s.kind in TOUCHING for s in k.collisions)]
@@ -116,7 +130,7 @@ def import_urdf(
         text,
         parse_recipe(text, robot.source),
         tuple(left_out),
-        _guessed(robot, found),
+        (*_guessed(robot, found), *map(axle_note, axles)),
         {
             names[couple.first]: {joint: scale for joint, (scale, _) in couple.joints.items()}
             for couple in motion.couples

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from lutgen.parts import Contact, Link
+from lutgen.parts import Axle, Contact, Link
 from lutgen.recipe.load import toml
 from lutgen.recipe.rules import RESERVED
 from lutgen.urdf.description import UrdfRobot
@@ -22,7 +22,11 @@ LONGEST = 100
 
 
 def recipe_text(
-    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], warnings: Sequence[str] = ()
+    robot: UrdfRobot,
+    motion: Motion,
+    contacts: Sequence[Contact],
+    warnings: Sequence[str] = (),
+    axles: Sequence[Axle] = (),
 ) -> str:
     """Return a complete recipe, TOML, whose parameters are the free joints and the couples.
 
@@ -72,6 +76,17 @@ def recipe_text(
             "axis": _vector(contact.axis) if contact.axis else None,
         }
         lines += [*_table("[[robot.contact]]", values), ""]
+    for axle in axles:
+        lines += _comment(f"Guessed: {axle_note(axle)}.")
+        values = {
+            "name": axle.name,
+            "contacts": list(axle.contacts),
+            "pivot": _vector(axle.pivot),
+            "axis": _vector(axle.axis),
+            "link": names[axle.link],
+            "stops": None if axle.stops is None else _shown(axle.stops, "deg"),
+        }
+        lines += [*_table("[[robot.axle]]", values), ""]
     samples = None
     if parameters:
         nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
@@ -103,6 +118,15 @@ def _drives(couple: Couple, unit: str) -> str:
 def _comment(text: str) -> list[str]:
     lines = textwrap.wrap(text, LONGEST - 2, break_long_words=False, break_on_hyphens=False)
     return [f"# {line}" for line in lines]
+
+
+def axle_note(axle: Axle) -> str:
+    """Return what was assumed of an axle that swings."""
+    one, two = axle.contacts
+    return (
+        f"axle {axle.name!r} swings freely with {one!r} and {two!r}, as its joint has no effort; "
+        "where a motor or a lock holds it, remove it, or name the joints that move with --joint"
+    )
 
 
 def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:

@@ -4,8 +4,8 @@ Until its stops engage, an axle acts on the rest of the robot through one point:
 meets the plane through both contacts and the normal.  So the rest turns over the line from there
 to a contact beside it, and its own weight decides.  The facet's polygon is cut along the planes
 through those lines and the com of the rest, and where the axle would turn over one of its contacts.
-Beyond the stops nothing is gained: the verdict is that before them.  `proofs.physics.swinging` has
-a physics engine for judge, with a hinge.
+Beyond the stops nothing is gained: the verdict is that before them.  A physics engine judges it, see
+`proofs.physics.swinging`.
 """
 
 import math

@@ -77,7 +77,7 @@ def test_the_recipe_has_the_guess_as_numbers_with_its_sentence(folder: Path) -> 
     Path("car.urdf").write_text(car(written("wheel.stl")), encoding="utf-8")
     said = good("import", "car.urdf", "-o", "car.toml")
     note = "a wheel of radius 100.00 mm and width 50.00 mm, off by at most 0.86 mm"
-    assert f"guessed from meshes:\n  fl, fr, rl, rr: {note}" in said
+    assert f"guessed:\n  fl, fr, rl, rr: {note}" in said
     text = Path("car.toml").read_text(encoding="utf-8")
     assert text.count(f'# Guessed from the mesh of "fl": {note}') == 1
     assert text.count("radius = 0.1\n") == 4

@@ -8,7 +8,6 @@ import pytest
 
 from lutgen.analysis import Posture, posture_limits, tilt_limits
 from lutgen.errors import RecipeError
-from lutgen.parts import Contact
 from lutgen.propose import import_urdf
 from lutgen.urdf.joints import read_motion, soft_limited
 from lutgen.urdf.links import centre_of_mass, places
@@ -132,18 +131,26 @@ def tractor(effort: float) -> str:
     return robot(link("chassis", 3000.0, "0.8 0 0.9", rear), link("axle", inside=front), pivot)
 
 
-def test_an_axle_that_pivots_freely_is_named_with_the_contact_that_stands_for_it() -> None:
-    assert warned(tractor(100.0)) == []
-    (words,) = warned(tractor(0.0))
-    assert words.startswith("joint 'pivot': effort is 0")
-    assert "--contact 'chassis=2.3,0,0.5'" in words
-    robot_ = parse_urdf(tractor(0.0))
-    pivot = Contact("p", "chassis", (2.3, 0.0, 0.5))
-    recipe = import_urdf(robot_, ["chassis"], [pivot], joints=[]).recipe
+def test_an_axle_whose_joint_has_no_effort_swings_and_is_no_parameter() -> None:
+    driven = import_urdf(parse_urdf(tractor(100.0)))
+    assert (driven.recipe.axles, driven.warnings) == ((), ())
+    assert [one.name for one in driven.recipe.parameters] == ["pivot"]
+    found = import_urdf(parse_urdf(tractor(0.0)))
+    (axle,), recipe = found.recipe.axles, found.recipe
+    assert (axle.link, axle.pivot, axle.axis) == ("body", (2.3, 0.0, 0.5), (1.0, 0.0, 0.0))
+    assert math.degrees(axle.stops or 0.0) == pytest.approx(math.degrees(0.2))
+    assert (recipe.parameters, found.warnings) == ((), ())
+    assert any("'pivot' swings freely" in words for words in found.guessed)
     limit = tilt_limits(recipe, np.empty((1, 0)), np.array([0.5 * math.pi]), "body")
     # By hand: the com is above the line from a rear wheel to the pivot up to atan(1.2 / 1.67).
     # The engine tips it at 37.0 deg with 1.3 to 1.6 deg of lag; with a rigid axle 41.6 are told.
     assert math.degrees(float(limit[0, 0])) == pytest.approx(35.7, abs=0.1)
+
+
+def test_contacts_on_a_joint_without_effort_that_is_no_axle_are_a_warning() -> None:
+    (words,) = warned(tractor(0.0).replace('axis xyz="1 0 0"', 'axis xyz="0 1 0"'))
+    assert words.startswith("joint 'pivot': effort is 0")
+    assert "[[robot.axle]]" in words
 
 
 LOOKS = "".join(collision(BALL, place).replace("collision", "visual") for place in CORNERS)
