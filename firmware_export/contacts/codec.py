@@ -99,11 +99,11 @@ class Tables(AnyTables):
             )
         assert many is not None
         contacts, tracks = len(many.order), len(many.first) - 1
-        swung = [("SMAP_DISCS", terms.axes), ("SMAP_PIVOTS", many.first[0])]
         both, whole, swept = pose_words(self.room, contacts, terms.axes)
         macros += [
             ("SMAP_MAX_CONTACTS", contacts),
-            *([("SMAP_RAILS", tracks)] if tracks else swung),
+            ("SMAP_RAILS", tracks) if tracks else ("SMAP_DISCS", terms.axes),
+            ("SMAP_PIVOTS", many.first[0]),
             *((f"SMAP_MAX_{name.upper()}", most) for name, most in self.room._asdict().items()),
             ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
         ]

@@ -106,8 +106,7 @@ def _tracks(model: Model) -> Tracks | None:
     """Return the tracks of a robot, None where the runtime searches; postures tell."""
     shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
     kinds = model.kind[shown]
-    flat = model.recipe.upright <= MOST_PITCH and not model.recipe.axles
-    if (kinds == SPHERE).any() or not flat:
+    if (kinds == SPHERE).any() or model.recipe.upright > MOST_PITCH or model.recipe.axles:
         return None
     t = np.random.default_rng(SEED).random((LOOKED, model.k))
     t[: LOOKED // 2] = t[: LOOKED // 2].round()

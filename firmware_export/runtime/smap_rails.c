@@ -7,8 +7,6 @@
 #define SMAP_TRACKS SMAP_RAILS
 #undef SMAP_DISCS
 #define SMAP_DISCS 0 /* whose axes differ */
-#undef SMAP_PIVOTS
-#define SMAP_PIVOTS 0
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
