@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.forces import heuristic_forces, load_corners, smallest_load
+from lutgen.analysis.forces import heuristic_forces, loads_on
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import (
     MU,
@@ -125,12 +125,12 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     forces_kind = ""
     if facet is not None and standing:
         points = facet.touching_points
-        loads = load_corners(points, pierced)
+        loads, smallest = loads_on(points, pierced, facet.axle)
         # Over a gap the robot rocks on two contacts, and nothing balances on this facet.
         if len(loads):
             names = [recipe.contact_names[i] for i in facet.touching]
             low, high = loads.min(axis=0), loads.max(axis=0)
-            exact = dict(zip(names, smallest_load(points, pierced, loads).tolist(), strict=True))
+            exact = dict(zip(names, smallest.tolist(), strict=True))
             bounds = zip(low.tolist(), high.tolist(), strict=True)
             ranges = dict(zip(names, bounds, strict=True))
             rough = dict(zip(names, heuristic_forces(points, pierced).tolist(), strict=True))

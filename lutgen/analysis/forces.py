@@ -6,16 +6,29 @@ that set, each of which rests on three contacts at most.
 """
 
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels import smallest_shares
-from lutgen.vector import Floats
+from lutgen.channels import axle_foot, smallest_shares
+from lutgen.vector import Floats, Vector
 
 # Of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on it.  A
 # tenth of what the balance may miss.
 ON = 1e-10
+
+
+class Axle(NamedTuple):
+    """An axle on a facet: a point and the direction of its line, its com, its share of the mass.
+
+    `ends` are the places of its contacts among those that touch.
+    """
+
+    line: tuple[Vector, Vector]
+    com: Vector
+    mass: float
+    ends: tuple[int, int]
 
 
 def load_corners(points: Floats, pierced: Floats) -> Floats:
@@ -79,6 +92,34 @@ def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
     smallest_shares(np.ascontiguousarray(balance[1:, able].T), carried)
     shares[able] = carried
     return shares
+
+
+def loads_on(points: Floats, pierced: Floats, axle: Axle | None) -> tuple[Floats, Floats]:
+    """Return `load_corners` and `normal_forces` of contacts, of which an axle may carry two.
+
+    All forces are along the ray to D_g.  The axle carries at one place, and its two contacts share
+    what it does so that it does not turn, see `channels.shares.axle_foot`.
+    """
+    if axle is None:
+        corners = load_corners(points, pierced)
+        return corners, smallest_load(points, pierced, corners)
+    i, j = axle.ends
+    ends = _vector(points[i]), _vector(points[j])
+    found = axle_foot(axle.line, axle.com, axle.mass, ends, _vector(pierced))
+    foot, shift, (one, two, own) = found
+    others = [k for k in range(len(points)) if k not in axle.ends]
+    fewer, there = np.vstack([points[others], foot]), pierced + np.array(shift)
+    corners = load_corners(fewer, there)
+    loads = np.vstack([corners, smallest_load(fewer, there, corners)])
+    spread = np.zeros((len(loads), len(points)))
+    spread[:, others] = loads[:, :-1]
+    spread[:, i], spread[:, j] = loads[:, -1] * one + own, loads[:, -1] * two - own
+    return spread[:-1], spread[-1]
+
+
+def _vector(point: Floats) -> Vector:
+    x, y, z = point.tolist()
+    return x, y, z
 
 
 def heuristic_forces(points: Floats, pierced: Floats) -> Floats:

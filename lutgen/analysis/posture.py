@@ -4,12 +4,15 @@ Every function of this room that asks about one posture takes a `Posture`; those
 once take a recipe and (m, k) rows of geometry parameters.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, wrenches
 from lutgen.errors import InputError
 from lutgen.recipe import (
@@ -32,7 +35,7 @@ from lutgen.support import (
     support_contact,
     support_height,
 )
-from lutgen.vector import Floats
+from lutgen.vector import Floats, Vector
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
 # spheres that stand for it.
@@ -46,8 +49,9 @@ class Facet:
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
     in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
-    inside, and `touching_points` (t, 3) theirs.  Only on one that `is_rest` the robot stands.  Body
-    frame, recipe's unit.
+    inside, and `touching_points` (t, 3) theirs.  Only on one that `is_rest` the robot stands.
+    `axle` is one that swings there, if any; the corners then have the names of the nearest
+    contacts.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -58,6 +62,7 @@ class Facet:
     touching: tuple[int, ...]
     touching_points: Floats
     is_rest: bool
+    axle: Axle | None = None
 
     @property
     def inradius(self) -> float:
@@ -184,7 +189,8 @@ def _facet(region: Region, k: int) -> Facet:
     edges = range(facet["first"], facet["first"] + facet["count"])
     corners = [int(region.edge[e]["primitive"]) for e in edges]
     mask = int(seat["mask"])
-    others = [i for i in range(len(source)) if mask >> i & 1 and i not in corners]
+    first = [] if facet["swings"] else corners
+    others = [i for i in range(len(source)) if mask >> i & 1 and i not in first]
     x, y, z = seat["normal"].tolist()
     inner = [support_contact(shown, i, (x, y, z)) for i in others]
     points = np.array([region.edge[e]["point"] for e in edges])
@@ -194,10 +200,18 @@ def _facet(region: Region, k: int) -> Facet:
         tuple(int(source[i]) for i in corners),
         points,
         seat["centroid"].copy(),
-        tuple(int(source[i]) for i in (*corners, *others)),
-        np.vstack([points, np.array(inner).reshape(-1, 3)]),
+        tuple(int(source[i]) for i in (*first, *others)),
+        np.vstack([points[: len(first)], np.array(inner).reshape(-1, 3)]),
         bool(seat["is_rest"]),
+        _axle(region.axle[seat["facet"]], others) if facet["swings"] else None,
     )
+
+
+def _axle(row: np.void, touching: Sequence[int]) -> Axle:
+    """Return an axle of the region; `touching` are the primitives on its facet."""
+    pivot, way, com = (cast(Vector, tuple(row[name].tolist())) for name in ("pivot", "way", "com"))
+    ends = touching.index(int(row["first"])), touching.index(int(row["second"]))
+    return Axle((pivot, way), com, float(row["mass"]), ends)
 
 
 def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:

@@ -25,7 +25,7 @@ from lutgen.channels.exact import (
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
 from lutgen.channels.resting import CONVENTIONS, body_gravity, turned
 from lutgen.channels.scan import Scanner
-from lutgen.channels.shares import smallest_shares
+from lutgen.channels.shares import axle_foot, smallest_shares
 from lutgen.channels.wrench import acceptance_of, primitives_of, refuse_forces, wrenches
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "axis_angle",
     "axis_energy",
     "axis_margin",
+    "axle_foot",
     "body_gravity",
     "checked_directions",
     "empty_axes",

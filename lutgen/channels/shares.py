@@ -11,7 +11,7 @@ import numpy as np
 
 from lutgen.jit import njit
 from lutgen.support import SHOWN, STANDS, TIPS, Region, plane_axes, support_contact
-from lutgen.vector import Floats, Ints, Vector, cross, dot, read3, row, scale, subtract
+from lutgen.vector import Floats, Ints, Vector, add, cross, dot, read3, row, scale, subtract
 
 # Newton's steps: a handful are taken.
 STEPS = 200
@@ -80,6 +80,30 @@ def smallest_shares(arm: Floats, shares: Floats) -> None:
     shares /= shares.sum()
 
 
+@njit(bare=True)
+def axle_foot(
+    line: tuple[Vector, Vector],
+    com: Vector,
+    mass: float,
+    ends: tuple[Vector, Vector],
+    pierced: Vector,
+) -> tuple[Vector, Vector, Vector]:
+    """Return where an axle carries on the ground, how D_g shifts, and how its contacts share.
+
+    All forces are along the ray to D_g.  Those on the axle balance about its `line`, a point and a
+    direction: they act at the foot, and of a load F there the contacts at its ends carry one F +
+    own and two F - own, the numbers (one, two, own).  Its own weight moves D_g.
+    """
+    pivot, way = line
+    first = dot(pierced, cross(way, subtract(ends[0], pivot)))
+    second = dot(pierced, cross(way, subtract(ends[1], pivot)))
+    weight = dot(pierced, cross(way, subtract(com, pivot)))
+    one, own = second / (second - first), mass * weight / (first - second)
+    two = 1.0 - one
+    foot = add(scale(ends[0], one), scale(ends[1], two))
+    return foot, scale(subtract(ends[1], ends[0]), own), (one, two, own)
+
+
 @njit()
 def least_share(region: Region, k: int, status: int, pierced: Vector, groups: Ints) -> float:
     """Return the least share of the weight that a group carries on seat k, D_g being `pierced`.
@@ -93,15 +117,34 @@ def least_share(region: Region, k: int, status: int, pierced: Vector, groups: In
     normal = read3(seat.normal)
     one, two = plane_axes(normal)
     arm, bits = np.empty((region.counts[SHOWN], 2)), np.empty(region.counts[SHOWN], np.int64)
-    count = 0
+    count, mask, swings = 0, seat.mask, region.facet[seat.facet].swings == 1
+    split = (0.0, 0.0, 0.0)
+    axle = region.axle[seat.facet]
+    if swings:
+        mask &= ~(1 << axle.first | 1 << axle.second)
+        ends = (
+            support_contact(shown, axle.first, normal),
+            support_contact(shown, axle.second, normal),
+        )
+        line = read3(axle.pivot), read3(axle.way)
+        foot, shift, split = axle_foot(line, read3(axle.com), axle.mass, ends, pierced)
+        pierced = add(pierced, shift)
+        away = subtract(foot, pierced)
+        arm[0, 0], arm[0, 1] = dot(one, away), dot(two, away)
+        count = 1
     for i in range(region.counts[SHOWN]):
-        if seat.mask >> i & 1:
+        if mask >> i & 1:
             away = subtract(support_contact(shown, i, normal), pierced)
             arm[count, 0], arm[count, 1] = dot(one, away), dot(two, away)
             bits[count] = 1 << region.source[i]
             count += 1
-    shares = np.empty(count)
-    smallest_shares(arm[:count], shares)
+    shares = np.empty(count + 1)
+    smallest_shares(arm[:count], shares[:count])
+    if swings:
+        load, count = shares[0], count + 1
+        shares[0], bits[0] = load * split[0] + split[2], 1 << region.source[axle.first]
+        shares[count - 1], bits[count - 1] = load - shares[0], 1 << region.source[axle.second]
+    shares = shares[:count]
     if groups.shape[0] == 0:
         return float(shares.min())
     least = 1.0

@@ -317,6 +317,11 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
         return -1
     forget_edges(region, facet.first, facet.count)
     facet.first, facet.count, facet.swings = begin, count, 1
+    kept = region.axle[f]
+    kept.first, kept.second, kept.mass = i, j, axle.mass
+    write3(kept.pivot, axle.pivot)
+    write3(kept.way, axle.way)
+    write3(kept.com, axle.com)
     region.counts[EDGES] = begin + count
     for m in range(count):
         e, corner = begin + m, region.swung[0, m]

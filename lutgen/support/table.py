@@ -43,6 +43,9 @@ ARC = record("start stop wall along amid", "spread", "", ("contacts", "i8", 2))
 # A corner of a polygon in a plane, and the inverse factors by which the ends of the edge from it on
 # are nearer to the com than the plane is: along an edge they change linearly.
 CORNER = record("", "x y begin end", "")
+# The axle on a facet: a point and the direction of its line, its com and its share of the mass; and
+# which two primitives it stands on.
+AXLE_ROW = record("pivot way com", "mass", "first second")
 
 
 class Acceptance(NamedTuple):
@@ -109,6 +112,7 @@ class Region(NamedTuple):
     `wall` (w, 3): unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
     `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
+    `axle`: of a facet that `swings`, its axle.
     `contacts`, `flat`, `polygon`, `ids`, `swung`: scratch memory.
     """
 
@@ -126,6 +130,7 @@ class Region(NamedTuple):
     polygon: NDArray[np.float64]
     ids: NDArray[np.int64]
     swung: NDArray[np.void]
+    axle: NDArray[np.void]
 
 
 @njit()
@@ -151,6 +156,7 @@ def empty_region(primitives: int) -> Region:
         np.zeros((4 * primitives + 4, 3)),
         np.zeros(4 * primitives + 4, np.int64),
         np.zeros((2, 4 * primitives + 4), CORNER),
+        np.zeros(facets, AXLE_ROW),
     )
 
 
