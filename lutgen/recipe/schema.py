@@ -4,8 +4,7 @@ import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
-from pydantic.json_schema import GenerateJsonSchema
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic_core import PydanticCustomError
 
 from lutgen import bounds
 from lutgen.quantities import CHANNELS
@@ -315,30 +314,3 @@ class File(Table):
     robot: Robot = key("What the robot is.", None)
     sweep: Sweep = key("What its map holds.", None)
     export: Export | None = may("Defaults of `lutgen export`.", None)
-
-
-class _Writer(GenerateJsonSchema):
-    """Writes what TOML can say, in the order of the keys: it has no null."""
-
-    def sort(self, value: Any, parent_key: str | None = None) -> Any:
-        return value
-
-    def field_title_should_be_set(self, schema: Any) -> bool:
-        return False
-
-    def nullable_schema(self, schema: core_schema.NullableSchema) -> dict[str, Any]:
-        return self.generate_inner(schema["schema"])
-
-    def default_schema(self, schema: core_schema.WithDefaultSchema) -> dict[str, Any]:
-        if schema.get("default", ...) is None:
-            return self.generate_inner(schema["schema"])
-        return super().default_schema(schema)
-
-
-def recipe_schema() -> dict[str, Any]:
-    """Return the JSON Schema of recipes, draft 2020-12, as plain lists and dicts.
-
-    It knows keys, types and intervals.  What keys demand of each other, such as that a name is that
-    of a link, only `parse_recipe` refuses.
-    """
-    return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

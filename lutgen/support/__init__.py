@@ -1,7 +1,7 @@
 """One posture into its support facets and its standing region.
 
 In reading order: `primitive`, `table`, `polygon`, `covered`, `tilting`, `gather`, `facets`,
-`pivots`, `rests`, `rolling`, `region`, `gaps`, `search`.
+`cutting`, `pivots`, `rests`, `rolling`, `region`, `gaps`, `search`.
 """
 
 from lutgen.support.covered import STICKS_OUT, lies_within

@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 from lutgen.jit import njit
+from lutgen.support.cutting import Ground, Line, cut, line_on, place_on, without_short
 from lutgen.support.gather import ROW, forget_edges
 from lutgen.support.polygon import corners_of, has_bit, outline, plane_axes
 from lutgen.support.primitive import FIRST, RADIUS, axle, support_contact
@@ -39,17 +40,6 @@ LEAST_DEPTH = 0.05
 ALONG = 0.1
 # So many times as far from the pivot an axle's com counts at most where the rest pulls it up.
 MOST = 20.0
-# A line over which something turns, by two of its points.
-Line = tuple[Vector, Vector]
-
-
-class Ground(NamedTuple):
-    """The plane of a facet: its unit normal, two unit axes, and the foot of the com."""
-
-    normal: Vector
-    first: Vector
-    second: Vector
-    foot: Vector
 
 
 class Axle(NamedTuple):
@@ -164,59 +154,14 @@ def _write_sides(region: Region, sides: int, pivot: int, axle: Axle) -> None:
 
 
 @njit(bare=True)
-def _cut(region: Region, count: int, wall: Vector, line: Line, ground: Ground) -> int:
-    """Cut the polygon in row 0 of `Region.swung` by a wall; return how many corners it has.
-
-    What is on the inner side of the wall through the com stays; over `line` the robot turns there.
-    """
-    old, new, kept = region.swung[0], region.swung[1], 0
-    side, plane = subtract(line[1], line[0]), cross(line[0], line[1])
-    a, b, c = dot(wall, ground.first), dot(wall, ground.second), dot(wall, ground.foot)
-    slack = SAME * ROW * length(ground.foot) * math.hypot(a, b)
-    left, back = -1, 1.0
-    for k in range(count):
-        here, there = old[k], old[(k + 1) % count]
-        inside, beyond = a * here.x + b * here.y + c, a * there.x + b * there.y + c
-        if inside >= -slack:
-            new[kept] = here
-            kept += 1
-        if (inside >= -slack) == (beyond >= -slack):
-            continue
-        part = min(max(inside / (inside - beyond), 0.0), 1.0)
-        x, y = here.x + part * (there.x - here.x), here.y + part * (there.y - here.y)
-        between = here.begin + part * (here.end - here.begin)
-        # How much nearer to the com the line is than the ground there: inverse, it is linear.
-        point = _place(ground, x, y)
-        nearer = dot(cross(point, side), plane) / dot(plane, plane)
-        new[kept].x, new[kept].y = x, y
-        if inside >= -slack:
-            new[kept - 1].end = between
-            new[kept].begin, left = nearer, kept
-        else:
-            new[kept].begin, new[kept].end, back = between, here.end, nearer
-        kept += 1
-    if left >= 0:
-        new[left].end = back
-    for k in range(kept):
-        old[k] = new[k]
-    return kept
-
-
-@njit(inline=True, bare=True)
-def _place(ground: Ground, x: float, y: float) -> Vector:
-    """Return a point of the ground."""
-    return along(along(ground.foot, ground.first, x), ground.second, y)
-
-
-@njit(bare=True)
 def _cut_sides(region: Region, count: int, sides: int, ground: Ground) -> int:
     """Cut the polygon by the sides of `_write_sides`; return how many corners it has."""
     for m in range(sides):
         line, more = (row(region.wall, 3 * m), row(region.wall, 3 * m + 1)), region.wall[3 * m + 2]
         wall = cross(line[0], line[1])
-        count = _cut(region, count, wall, line, ground)
+        count = cut(region, count, wall, line, ground)
         if more[0] != 0.0 or more[1] != 0.0 or more[2] != 0.0:
-            count = _cut(region, count, add(wall, read3(more)), line, ground)
+            count = cut(region, count, add(wall, read3(more)), line, ground)
     return count
 
 
@@ -228,31 +173,8 @@ def _cut_axle(region: Region, count: int, axle: Axle, load: Vector, ground: Grou
         if dot(near, ground.normal) > SAME * length(ground.foot):  # Else it hangs below them.
             wall = cross(axle.way, near)
             wall = scale(wall, math.copysign(1.0, dot(wall, far)))
-            count = _cut(region, count, wall, _on_ground(wall, ground), ground)
+            count = cut(region, count, wall, line_on(wall, ground), ground)
     return count
-
-
-@njit(bare=True)
-def _on_ground(wall: Vector, ground: Ground) -> Line:
-    """Return two points of the line in which a plane through the com meets the ground."""
-    way = unit(cross(ground.normal, wall))
-    across = cross(way, ground.normal)
-    point = along(ground.foot, across, -dot(wall, ground.foot) / dot(wall, across))
-    if dot(cross(point, way), wall) < 0.0:
-        way = scale(way, -1.0)
-    return point, along(point, way, length(ground.foot))
-
-
-@njit(bare=True)
-def _without_short(region: Region, count: int, short: float) -> int:
-    """Leave out corners that are one with the next; return how many are left."""
-    swung, kept = region.swung[0], 0
-    for k in range(count):
-        after = (k + 1) % count
-        if math.hypot(swung[after].x - swung[k].x, swung[after].y - swung[k].y) > short:
-            swung[kept] = swung[k]
-            kept += 1
-    return kept
 
 
 @njit(bare=True)
@@ -311,7 +233,7 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     count = _cut_sides(region, count, sides, ground)
     for load in (axle.pivot, axle.com, axle.pulled):
         count = _cut_axle(region, count, axle, load, ground)
-    count = _without_short(region, count, 10.0 * ROW * same)
+    count = without_short(region, count, 10.0 * ROW * same)
     begin = region.counts[EDGES]
     if count < 3 or begin + count > edge.shape[0]:
         return -1
@@ -325,7 +247,7 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     region.counts[EDGES] = begin + count
     for m in range(count):
         e, corner = begin + m, region.swung[0, m]
-        point = _place(ground, corner.x, corner.y)
+        point = place_on(ground, corner.x, corner.y)
         write3(edge[e].point, point)
         edge[e].primitive = _nearest(primitives, mask, normal, point)
         edge[e].facet, edge[e].twin = f, -1
