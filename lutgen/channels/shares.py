@@ -77,7 +77,10 @@ def smallest_shares(arm: Floats, shares: Floats) -> None:
         else:
             ridge *= 10.0
             _residual(arm, spring, shares)
-    shares /= shares.sum()
+    total = 0.0
+    for share in shares:
+        total += share
+    shares /= total
 
 
 @njit(bare=True)
@@ -145,9 +148,12 @@ def least_share(region: Region, k: int, status: int, pierced: Vector, groups: In
         shares[0], bits[0] = load * split[0] + split[2], 1 << region.source[axle.first]
         shares[count - 1], bits[count - 1] = load - shares[0], 1 << region.source[axle.second]
     shares = shares[:count]
-    if groups.shape[0] == 0:
-        return float(shares.min())
     least = 1.0
+    if groups.shape[0] == 0:
+        # Loops: numba would import scipy for arrays' own sum and least.
+        for share in shares:
+            least = min(least, share)
+        return least
     for group in groups:
         carried = 0.0
         for i in range(count):

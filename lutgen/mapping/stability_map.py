@@ -181,9 +181,10 @@ class StabilityMap:
         ]
         face, inside = np.broadcast_to(face, count), np.broadcast_to(inside, count)
         result = {name: self._interpolated(name, places, face, inside) for name in names}
-        if "tip_angle" in self.channels and {"sdg", "height"} & set(names):
+        none = {"sdg", "height", "least_share"} & set(names)
+        if "tip_angle" in self.channels and none:
             tips = self._interpolated("tip_angle", places, face, inside) < 0.0
-            for name in {"sdg", "height"} & set(names):
+            for name in none:
                 result[name] = np.where(tips, np.nan, result[name])
         return result
 

@@ -20,11 +20,11 @@ from proofs.physics.start import DOWN, on_plane
 
 ROBOTS = ("tractors",)
 COLUMNS = ("slow tilts", "slid first", "front wheels free", "of these rolled below their limit")
-COLUMNS += ("of these sideways", "bore over 1 deg more", "braked: rolled 1 deg below")
+COLUMNS += ("of these sideways", "bore over 2 deg more", "braked: rolled 1 deg below")
 NEVER, CASES = (COLUMNS[3], COLUMNS[5], COLUMNS[6]), ("slow tilts",)
 # The engine is late by this much (rad), as the moment that tips grows from nothing; and what one
 # with free wheels may bear beyond its limit.
-LATE, SPARED, BRAKED = math.radians(0.25), math.radians(1.0), math.radians(1.0)
+LATE, SPARED, BRAKED = math.radians(0.25), math.radians(2.0), math.radians(1.0)
 QUICK, SLOW, UNTIL = math.radians(4.0), math.radians(0.25), 0.8
 LOOK, SETTLE = 10, 300
 # A chassis that has turned so far (rad) against the ground rolls on its axle.

@@ -160,7 +160,7 @@ def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path: Path) 
         assert (
             one["stop_speed_m_s"] < other["stop_speed_m_s"] < min(other["stop_speeds_m_s"].values())
         )
-    rows = list(csv.DictReader(table.open()))
+    rows = list(csv.DictReader(table.read_text().splitlines()))
     assert float(rows[1]["stop_at_90_deg_m_s"]) == high[1]["stop_speeds_m_s"]["90"]
     assert budget(RECIPE)["budgets"][0]["stop_speed_m_s"] is None
 

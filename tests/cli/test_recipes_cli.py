@@ -109,7 +109,7 @@ def test_check_prints_robot_parameters_nodes_size_and_time() -> None:
         "reach: 0 to 0.6 m, 4 nodes",
         "swing: -40 to 50 deg, 3 nodes",
         "cone, 1 face(s) of 7 x 7 nodes",
-        "588 nodes, 4,116 values, 14.4 KiB",
+        "588 nodes, 4,704 values, 16.7 KiB",
     ):
         assert part in result.stdout
     assert result.stderr == ""
@@ -122,6 +122,6 @@ def test_check_prints_robot_parameters_nodes_size_and_time() -> None:
     }
     assert report["digest"] == lutgen.load_recipe("tripod.toml").digest
     # Six channels of float32 and one of bytes; the rest of the file is some 50 kB of names.
-    assert report["file_bytes"] == (6 * 4 + 1) * 588
+    assert report["file_bytes"] == (7 * 4 + 1) * 588
     good("sweep", "tripod.toml", "-o", "tripod.h5")
     assert 0 < Path("tripod.h5").stat().st_size - report["file_bytes"] < 60_000

@@ -110,7 +110,7 @@ def test_a_curve_is_exact_for_every_channel_and_its_star_the_best(two: Recipe) -
         exact = np.degrees(exact) if channel == "tip_angle" else exact
         # Degrees went to radians and back: two roundings.
         np.testing.assert_allclose(y, exact, rtol=1e-12, atol=1e-6 * np.ptp(exact))
-        best = exact.max() if channel in ("tip_angle", "margin", "energy_margin") else exact.min()
+        best = exact.min() if channel in ("sdg", "height") else exact.max()
         assert line(figure, "best")[1][0] == pytest.approx(best)
         assert len(x) > 400
     (x,), (y,) = line(plot.draw("curve", two, channel="sdg", params={"gamma": NOMINAL}), "best")

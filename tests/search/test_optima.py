@@ -194,7 +194,7 @@ def seen_by_the_oracle(goal: Objective, degrees: list[float]) -> tuple[float, fl
     rows = pack(where.centres, where.axes, *radii_and_kinds(recipe))[0]
     limits = recipe.upright, recipe.rock_angle, accept.rest_width, accept.contact_tolerance
     standing = Standing(rows, Limits(*limits))
-    _, _, sdg, height = standing.read(unit(np.atleast_2d(goal.gravity)))
+    _, _, sdg, height, *_ = standing.read(unit(np.atleast_2d(goal.gravity)))
     rest = min(standing.rests, key=lambda f: abs(f.height - height[0]))
     missing = rest.height - reach(rows, rest.normal[None])[0]
     return float(sdg[0]), float(missing[missing > accept.contact_tolerance].min())
