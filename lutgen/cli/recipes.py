@@ -190,6 +190,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "kinds": Counter(contact.kind for contact in robot.contacts),
         "wheels": [wheel.contact for wheel in robot.wheels],
         "forces": [force.name for force in robot.forces],
+        "axles": {axle.name: axle.contacts for axle in robot.axles},
         "posture": by_unit(robot, home),
         "posture_from": posture_source(robot, ()),
         "mass": sum(link.mass for link in robot.links) if robot.python is None else None,
@@ -253,6 +254,8 @@ def check_lines(report: dict[str, Any]) -> Iterable[str]:
     kinds = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in report["kinds"].items()]
     parts = [f"{name}: {' '.join(report[name])}" for name in ("wheels", "forces") if report[name]]
     yield "  " + "; ".join([", ".join(kinds), *parts])
+    for name, carried in report["axles"].items():
+        yield f"  axle {name} swings with {' and '.join(carried)}"
     yield from (f"  {line}" for line in report["snapped"])
     if report["posture"]:
         yield f"  posture: {posture_text(report['posture'])} ({report['posture_from']})"

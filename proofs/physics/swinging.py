@@ -19,20 +19,20 @@ from proofs.physics.release import STEEPEST, Run
 from proofs.physics.start import DOWN, on_plane
 
 ROBOTS = ("tractors",)
-COLUMNS = ("slow tilts", "slid first", "front wheels free", "of these rolled below their limit")
-COLUMNS += ("of these sideways", "bore over 2 deg more", "braked: rolled 1 deg below")
+COLUMNS = (
+    *("slow tilts", "slid first", "front wheels free", "of these rolled below their limit"),
+    *("of these sideways", "bore over 2 deg more", "braked: rolled 1 deg below"),
+)
 NEVER, CASES = (COLUMNS[3], COLUMNS[5], COLUMNS[6]), ("slow tilts",)
 # The engine is late by this much (rad), as the moment that tips grows from nothing; and what one
 # with free wheels may bear beyond its limit.
 LATE, SPARED, BRAKED = math.radians(0.25), math.radians(2.0), math.radians(1.0)
 QUICK, SLOW, UNTIL = math.radians(4.0), math.radians(0.25), 0.8
 LOOK, SETTLE = 10, 300
-# A chassis that has turned so far (rad) against the ground rolls on its axle.
-ROLLED = math.radians(1.0)
+ROLLED = math.radians(1.0)  # turned so far, the chassis rolls on its axle
 # A tractor whose rear wheels carry little slides down on its front wheels: this far (m) it has.
 SLID = 0.02
-# Cosine of a heading in which no tractor turns over its front or its rear wheels.
-ASIDE = 0.3
+ASIDE = 0.3  # cosine of a heading in which no tractor turns over its front or rear wheels
 CHUNK, SEED = 20, 56
 
 

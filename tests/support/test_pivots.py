@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 import lutgen
 from lutgen.analysis import Posture, ground_tilt
 from lutgen.recipe import Recipe
+from tests.fixtures.commands import data, stdout
 
 SIDEWAYS, NONE = math.pi / 2.0, np.zeros((1, 0))
 
@@ -176,6 +177,13 @@ def test_a_sweep_of_a_tractor_agrees_with_evaluate(tmp_path: Path) -> None:
     exact = lutgen.evaluate(recipe, NONE, recipe.chart.directions().reshape(-1, 3), recipe.channels)
     for name in recipe.channels:
         np.testing.assert_allclose(swept[name].ravel(), exact[name][0], rtol=3e-7, atol=1e-7)
+
+
+def test_check_says_which_contacts_swing(tmp_path: Path) -> None:
+    path = tmp_path / "tractor.toml"
+    path.write_text(tractor(0.5).text)
+    assert data("check", path)["axles"] == {"front": ["front_left", "front_right"]}
+    assert "axle front swings with front_left and front_right" in stdout("check", path)
 
 
 @pytest.mark.parametrize(
