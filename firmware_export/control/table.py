@@ -24,8 +24,8 @@ COARSE, FINE = (0.8, 0.4, 0.2), (0.1, 0.05)
 def smooth(postures: Floats, score: Floats, home: Floats, scale: Floats, within: float) -> Floats:
     """Return postures (n, n, k) of a table's nodes, each within a little of its best.
 
-    Of `postures` (p, k), whose `score` is (n, n, p), those count that are less than `within` below
-    the best: with 0 it is the best alone.  `home` (k,) is where the robot is if nothing else
+    `postures` (p, k) have a `score` (n, n, p).  Those less than `within` below the best count; with
+    0 the best counts alone.  `home` (k,) is where the robot is if nothing else
     matters; a move by `scale` (k,) counts as one.
     """
     if within <= 0.0:

@@ -56,7 +56,7 @@ def degrees(value: Any) -> Any:
 def entries(value: Any, names: str) -> dict[str, Any]:
     """Return attributes of a value under their names, or under KEY where ``KEY=NAME`` is asked.
 
-    Of a key that ends in ``_deg`` or ``_deg_s`` the attribute is an angle (rad) without that.
+    A key that ends in ``_deg`` or ``_deg_s`` is for an angle (rad) whose name lacks that ending.
     """
     found = {}
     for name in names.split():

@@ -90,7 +90,7 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
 def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, Place]) -> set[str]:
     """Return the links whose meshes touch: near the ground, the lowest of those above and below.
 
-    Of links that are fixed to each other only the lowest; none with a ball about as low beside it.
+    Among links fixed to each other only the lowest counts, and none beside a ball about as low.
     """
     com = float(centre_of_mass(robot, where)[2])
     ground = min(one.low for one in found.values())

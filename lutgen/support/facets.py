@@ -185,7 +185,7 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
         normal, first, corners = read3(facet[f].normal), facet[f].first, facet[f].count
         fill_contacts(primitives, normal, contacts[0])
         for e in range(first, first + corners):
-            # Of points each pair carries on one arc.
+            # A pair of points carries on one arc alone.
             if edge[e].twin >= 0 or (rigid and _pair_up(region, e)):
                 continue
             i, j = edge[e].primitive, edge[edge_after(region, e)].primitive

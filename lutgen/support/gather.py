@@ -72,6 +72,16 @@ def bit_count(mask: int) -> int:
 
 
 @njit(inline=True, bare=True)
+def write_edge(region: Region, e: int, f: int, primitive: int, point: Vector) -> None:
+    """Begin edge e of facet f at a corner: it has no twin, and no part of it is held."""
+    edge = region.edge[e]
+    write3(edge.point, point)
+    edge.primitive, edge.facet, edge.twin = primitive, f, -1
+    edge.held[0], edge.held[1] = 1.0, 0.0
+    edge.raised[0] = edge.raised[1] = 1.0
+
+
+@njit(inline=True, bare=True)
 def _enter(
     primitives: Floats, region: Region, f: int, normal: Vector, mask: int, same: float
 ) -> bool:
@@ -87,10 +97,7 @@ def _enter(
     height = -math.inf
     for k in range(corners):
         e, point = first + k, support_contact(primitives, region.ids[k], normal)
-        write3(edge[e].point, point)
-        edge[e].primitive, edge[e].facet, edge[e].twin = region.ids[k], f, -1
-        edge[e].held[0], edge[e].held[1] = 1.0, 0.0
-        edge[e].raised[0] = edge[e].raised[1] = 1.0
+        write_edge(region, e, f, region.ids[k], point)
         height = max(height, dot(point, normal))
     for e in range(first, first + corners):
         start, stop = read3(edge[e].point), read3(edge[first + (e - first + 1) % corners].point)

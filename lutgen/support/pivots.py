@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.cutting import Ground, Line, cut, line_on, place_on, without_short
-from lutgen.support.gather import ROW, forget_edges
+from lutgen.support.gather import ROW, forget_edges, write_edge
 from lutgen.support.polygon import corners_of, has_bit, outline, plane_axes
 from lutgen.support.primitive import FIRST, RADIUS, axle, support_contact
 from lutgen.support.table import EDGES, SAME, SHOWN, Region, ends_of
@@ -248,10 +248,7 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     for m in range(count):
         e, corner = begin + m, region.swung[0, m]
         point = place_on(ground, corner.x, corner.y)
-        write3(edge[e].point, point)
-        edge[e].primitive = _nearest(primitives, mask, normal, point)
-        edge[e].facet, edge[e].twin = f, -1
-        edge[e].held[0], edge[e].held[1] = 1.0, 0.0
+        write_edge(region, e, f, _nearest(primitives, mask, normal, point), point)
         edge[e].raised[0], edge[e].raised[1] = 1.0 / corner.begin, 1.0 / corner.end
     for e in range(begin, begin + count):
         start, stop = ends_of(region, e)

@@ -20,8 +20,8 @@ BOOLE = (
     (-384.0 / 1890.0, 1024.0 / 1890.0, -2112.0 / 1890.0, 0.0, 1472.0 / 1890.0),
     (107.0 / 1890.0, -384.0 / 1890.0, 804.0 / 1890.0, -1472.0 / 1890.0, 945.0 / 1890.0),
 )
-# Of the twist of two short pieces of an arc that of their chords is this part, and of the twist of
-# a piece that of its first half.
+# The twist of two chords is this part of that of their pieces of an arc, if they are short; and the
+# first half of a piece has this part of its twist.
 CHORDS, HALF = 0.75, 0.125
 
 
@@ -91,9 +91,9 @@ def _twist(a: Vector, b: Vector, c: Vector) -> float:
 def roll_over(normals: Places, places: Places) -> tuple[float, Vector]:
     """Return how a robot rolls over an arc: the twist of gravity, and how far the com sinks.
 
-    Of gravity g it sinks by the second . g: the integral for polynomials through the five places
-    (BOOLE) at which the planes touch one primitive.  The angle about the normal is the area between
-    the arc and its chord on the sphere.
+    Under gravity g it sinks by the second . g, which is the integral for polynomials through the
+    five places (BOOLE) at which the planes touch one primitive.  The angle about the normal is the
+    area between the arc and its chord on the sphere.
     """
     a, b, c, d, e = normals
     half, rest = _twist(a, b, c) / CHORDS, _twist(c, d, e) / CHORDS
