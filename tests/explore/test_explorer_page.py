@@ -14,6 +14,7 @@ from firmware_export import exporter
 from firmware_export.explore import answers_of_recipe, page_text, scene_of
 from lutgen.cli import main
 from lutgen.files import is_ours
+from tests.fixtures.fits import untried
 from tests.fixtures.places import MAPS
 from tools.engine import MODULE, build, clang_version
 
@@ -84,9 +85,10 @@ def test_a_scene_has_every_part_of_a_robot() -> None:
 
 def test_a_folder_is_asked_and_the_head_tells_its_certificate(tmp_path: Path) -> None:
     folder, page = tmp_path / "firmware", tmp_path / "page.html"
-    report = exporter.export(
-        lutgen.load_recipe("recipe:paper_one"), folder, codec="contacts", points=2000
-    )
+    with untried():
+        report = exporter.export(
+            lutgen.load_recipe("recipe:paper_one"), folder, codec="contacts", points=2000
+        )
     code, output = explored(folder, "-o", page)
     assert code == 0, output
     text = page.read_text()
@@ -102,7 +104,8 @@ def test_a_folder_is_asked_and_the_head_tells_its_certificate(tmp_path: Path) ->
 
 def test_an_export_without_floats_is_refused(tmp_path: Path) -> None:
     recipe = lutgen.load_recipe("recipe:paper_one")
-    exporter.export(recipe, tmp_path / "firmware", arithmetic="integer", points=1000)
+    with untried():
+        exporter.export(recipe, tmp_path / "firmware", arithmetic="integer", points=1000)
     code, output = explored(tmp_path / "firmware", "-o", tmp_path / "page.html")
     assert (code, "without floats" in output) == (2, True), output
 

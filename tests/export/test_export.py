@@ -1,7 +1,7 @@
 """From a recipe or a map to a folder: what is asked for is what comes out, certified."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from firmware_export.grid import lookup
 from firmware_export.grid.lookup import Tables
 from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
+from tests.fixtures.fits import few_points, untried
 from tests.fixtures.programs import contents
 from tests.fixtures.recipes import contact, feet, rigid, tripod
 
@@ -24,6 +25,13 @@ ALL = ("sdg", "tip_angle", "height")
 TEXT = tripod(nodes=5, channels=ALL)
 RECIPE = lutgen.parse_recipe(TEXT)
 POINTS = 4000
+
+
+@pytest.fixture(autouse=True)
+def quick() -> Iterator[None]:
+    """Ask little of fits, and nothing of compilers."""
+    with few_points(), untried():
+        yield
 
 
 def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
