@@ -5,13 +5,11 @@ import re
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import lutgen
-from lutgen.search.objective import Objective
 from tests.fixtures import commands
-from tests.fixtures.places import MAPS, ROOT
+from tests.fixtures.places import MAPS
 
 TWO = str(MAPS / "paper_two.toml")
 run = partial(commands.run, "optimum")
@@ -113,13 +111,3 @@ def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(
     assert report["standing"] is True
     assert report["parameters"]["alpha"]["acceptable_deg"] == [None, None]
     assert "exceeds the limit: no range is acceptable" in caplog.text
-
-
-def test_the_document_says_how_far_the_conventions_differ() -> None:
-    text = (ROOT / "docs" / "guide" / "search.md").read_text(encoding="utf-8")
-    said = re.search(r"at\s+10 deg it is ([\d.]+) under `body` and ([\d.]+) under `plane`", text)
-    assert said is not None
-    recipe = lutgen.load_recipe(TWO)
-    for convention, value in zip(("body", "plane"), said.groups(), strict=True):
-        cost = Objective(recipe, [0, 0, -1], "sdg", convention).cost(np.radians([[10.0, 10.0]]))
-        assert f"{cost[0]:.2f}" == value

@@ -3,7 +3,6 @@
 import csv
 import json
 import math
-import re
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -58,14 +57,6 @@ def by_hand(two: Recipe, points: int, **options: Any) -> Drive:
 
 
 # What is printed
-
-
-def test_it_prints_the_papers_percentages(recipe: str) -> None:
-    head, fixed, changing = good(recipe, *PAPER).splitlines()
-    assert head == "paper_two on the paper's path: 100 points, length 38.9766"
-    assert re.match(r"fixed shape +tips over at 72 points \(72 %\), least tip angle -38\.41", fixed)
-    assert re.match(r"changing shape +tips over at 22 points \(22 %\)", changing)
-    assert "at point 0 (" in changing
 
 
 def test_without_control_there_is_one_run_and_with_headings_there_are_four(recipe: str) -> None:

@@ -1,7 +1,5 @@
 """What the README and the documents show is run here, and what they list is compared."""
 
-import contextlib
-import io
 import re
 import shutil
 import subprocess
@@ -29,23 +27,6 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copytree(MAPS, tmp_path / "maps")
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def test_the_readme_leads_from_a_recipe_to_a_verdict_on_the_chip(
-    clone: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # `make maps` certifies on half a million points; the README's outputs do not depend on them.
-    monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
-    _, commands, compiled = blocks("README.md", "sh")
-    *before, verdict = commands.splitlines()
-    for line in before:
-        stdout(*line.split()[1:])
-    assert h5py.is_hdf5("absolem.h5")
-    assert Path("absolem.png").read_bytes().startswith(b"\x89PNG")
-    shown, answered = blocks("README.md", "text")
-    assert stdout(*verdict.split()[1:]) == shown
-    Path("main.c").write_text(*blocks("README.md", "c"))
-    assert ran(compiled) == answered
 
 
 def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) -> None:
@@ -114,16 +95,6 @@ def test_everything_in_the_firmware_guide_runs(
         Path("use.c").write_text(code)
         ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
         ran(f"cc -std=c99 -I{folder} {folder}/stork.c use.o -shared -fPIC -o use.so")
-
-
-def test_the_python_of_the_guide_prints_what_its_comments_say(clone: Path) -> None:
-    (code,) = blocks("docs/guide/python.md", "python")
-    said = re.findall(r"^print\(.*\)  # (\[\[.*\]\]|\(.*\))", code, re.MULTILINE)
-    assert len(said) == code.count("print(")
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(compile(code, "docs/guide/python.md", "exec"), {})
-    assert printed.getvalue().splitlines() == said
 
 
 def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None:

@@ -167,7 +167,7 @@ def test_a_float_reads_back_as_the_same_single(value: float) -> None:
     assert np.float32(text[:-1]).tobytes() == np.float32(value).tobytes()
 
 
-@given(st.text())
+@given(st.text(max_size=60))
 def test_no_text_can_end_a_comment_or_continue_a_line(text: str) -> None:
     shown = plain_text(text)
     assert shown.isascii()

@@ -22,7 +22,7 @@ from tests.fixtures.recipes import feet, rigid, rover, tripod
 TRIPOD = Model(lutgen.parse_recipe(tripod(channels=("sdg", "tip_angle", "height"))))
 ROVER = Model(lutgen.parse_recipe(rover()))
 CHANNELS = ("sdg", "tip_angle", "height")
-POINTS = 6_000
+POINTS = 4_000
 EFFORT = Effort(POINTS, 20, 25)
 GUARD = 1e-4
 # (normalised parameters (n, k), directions (n, 3), exact sdg, tip, height (n, 3)) -> answers (n, 3)

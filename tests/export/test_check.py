@@ -2,6 +2,8 @@
 
 import subprocess
 import zlib
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -118,8 +120,27 @@ int main(int count, char **names)
 """
 
 
+@pytest.fixture(scope="module")
+def fuzzer(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return what gives the program of a family, compiled once."""
+    # What is no number may become any whole number: that is how conversions are, and does no harm.
+    flags = ["-std=c99", "-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags += ["-Wno-unknown-pragmas", '-DSMAP_SOURCES="x"', f"-I{RUNTIME}"]
+
+    @cache
+    def of(family: str) -> Path:
+        folder = tmp_path_factory.mktemp(family)
+        (folder / "fuzz.c").write_text(FUZZ.replace("Y FAMILY", f"Y {family}"))
+        compile_c([*flags, "fuzz.c", "-o", "fuzz"], folder)
+        return folder / "fuzz"
+
+    return of
+
+
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) -> None:
+def test_what_passes_leads_no_read_out_of_its_bounds(
+    name: str, fuzzer: Callable[[str], Path], tmp_path: Path
+) -> None:
     blob = blob_of(name)
     rng = np.random.default_rng(2)
     cases = [blob.bytes]
@@ -137,13 +158,8 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     (tmp_path / "cases").write_bytes(
         b"".join(len(one).to_bytes(4, "little") + one for one in cases)
     )
-    (tmp_path / "fuzz.c").write_text(FUZZ.replace("Y FAMILY", f"Y {MAKERS[name][1]}"))
-    # What is no number may become any whole number: that is how conversions are, and does no harm.
-    flags = ["-std=c99", "-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    flags += ["-Wno-unknown-pragmas", '-DSMAP_SOURCES="x"', f"-I{RUNTIME}"]
-    compile_c([*flags, "fuzz.c", "-o", "fuzz"], tmp_path)
     ran = subprocess.run(
-        [tmp_path / "fuzz", tmp_path / "cases"],
+        [fuzzer(MAKERS[name][1]), tmp_path / "cases"],
         capture_output=True,
         text=True,
         timeout=300,

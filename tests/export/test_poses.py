@@ -220,7 +220,7 @@ def test_flush_to_zero_changes_no_answer(name: str, tmp_path: Path) -> None:
     params = model.at(rng.random((6000, model.k))).astype(np.float32)
     at = rng.random(params.shape) < 0.1
     params[at] = rng.choice(odd, int(at.sum()))
-    known = HostLibrary(tmp_path / "e").read(params, gravity)
+    known = host_of(export).read(params, gravity)
     found = HostLibrary(tmp_path / "e", (*FLAGS, str(flush))).read(params, gravity)
     np.testing.assert_array_equal(found[0], known[0])
     assert found[1].tobytes() == known[1].tobytes()

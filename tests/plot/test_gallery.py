@@ -79,28 +79,3 @@ def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page
             picture = MAPS / path.stem / f"{shot.name}.png"
             assert picture.stat().st_size < 265_000
             assert f'src="{path.stem}/{shot.name}.png"' in page
-
-
-def test_the_papers_figures_get_their_part_of_the_page(
-    gallery: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    # The gallery's module is found by the name under which the fixture registered it.
-    path = ROOT / "tools" / "paper_gallery.py"
-    spec = importlib.util.spec_from_file_location("paper_gallery", path)
-    assert spec is not None
-    assert spec.loader is not None
-    paper = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(paper)
-    report, page = tmp_path / "report", tmp_path / "README.md"
-    report.mkdir()
-    page.write_text("# Mine\n", encoding="utf-8")
-    command = [str(report), "--output", str(tmp_path)]
-    assert paper.main(command) == 1
-    assert "there is no such figure" in capsys.readouterr().err
-    for stem in paper.CAPTIONS:
-        (report / f"{stem}.png").write_bytes(stem.encode())
-    assert paper.main(command) == 0
-    text = page.read_text(encoding="utf-8")
-    for stem in paper.CAPTIONS:
-        assert (tmp_path / "paper" / f"{stem}.png").read_bytes() == stem.encode()
-        assert f'src="paper/{stem}.png"' in text

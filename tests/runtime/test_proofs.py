@@ -118,14 +118,6 @@ def test_globals_recursion_and_library_calls_are_found(tmp_path: Path) -> None:
         assert said in rows["object code"].text
 
 
-def test_a_function_of_61_lines_is_too_long_and_one_of_60_is_not() -> None:
-    def of(lines: int) -> str:
-        return "static void f(void)\n{\n" + "  a();\n" * (lines - 3) + "}\n"
-
-    assert structure.long_ones(of(60)) == []
-    assert structure.long_ones(of(61)) == ["line 1: 61 lines"]
-
-
 def test_what_is_missing_is_skipped_and_fails_in_ci(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

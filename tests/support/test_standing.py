@@ -45,7 +45,7 @@ def read(rows: Floats, g: Floats, limits: Limits) -> Floats:
 def compared(family: str) -> Compared:
     """Compare the postures of a family; lengths are divided by the size."""
     parts = []
-    few, many = (6, 125) if family in FAMILIES else (2, 36)
+    few, many = (4, 125) if family in FAMILIES else (2, 36)
     for seed in range(many if LONG else few):
         rng = np.random.default_rng(seed)
         rows = drawn(family, rng) if family in FAMILIES else exact(family, rng)
