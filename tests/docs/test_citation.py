@@ -8,7 +8,7 @@ from tests.fixtures.places import ROOT
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
-def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package() -> None:
+def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package():
     keys = dict(re.findall(r"^([a-z-]+):[ ]*(.*)$", CITATION, re.MULTILINE))
     assert {"cff-version", "message", "title", "authors"} <= set(keys)
     assert keys["cff-version"] == "1.2.0"

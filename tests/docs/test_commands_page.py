@@ -20,7 +20,7 @@ LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", TEXT, re.MU
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return an empty working folder, with this environment's programs first on the path."""
     monkeypatch.chdir(tmp_path)
     programs = str(Path(sys.executable).parent)
@@ -28,7 +28,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def bash(script: str) -> str:
+def bash(script):
     """Run a script and return what it printed."""
     done = subprocess.run(
         ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
@@ -37,15 +37,15 @@ def bash(script: str) -> str:
     return done.stdout
 
 
-def test_the_table_of_verdicts_names_the_commands_that_have_one() -> None:
+def test_the_table_of_verdicts_names_the_commands_that_have_one():
     listed = re.findall(r"^\| `(\w+)` \|", TEXT, re.MULTILINE)
     assert listed == sorted(VERDICTS)
     # What the help of a command says of its own exit code.
-    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}  # type: ignore[union-attr]
+    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}
     assert says == set(listed)
 
 
-def completions(words: str, incomplete: str) -> list[str]:
+def completions(words, incomplete):
     """Return what lutgen answers the function of bash, which asks through the environment."""
     asked = {
         "_LUTGEN_COMPLETE": "bash_complete",
@@ -56,7 +56,7 @@ def completions(words: str, incomplete: str) -> list[str]:
     return [line.split(",", 1)[1] for line in lines]
 
 
-def test_commands_options_kinds_and_recipes_are_completed() -> None:
+def test_commands_options_kinds_and_recipes_are_completed():
     assert completions("lutgen", "lim") == ["limits"]
     assert completions("lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
     assert completions("lutgen recipes", "ab") == ["absolem"]
@@ -64,7 +64,7 @@ def test_commands_options_kinds_and_recipes_are_completed() -> None:
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_is_given_a_function_of_its_own(shell: str) -> None:
+def test_each_shell_is_given_a_function_of_its_own(shell):
     source = re.search(r"_LUTGEN_COMPLETE=(\w+) lutgen", LINES[shell])
     assert source is not None
     asked = {"_LUTGEN_COMPLETE": source[1]}
@@ -75,7 +75,7 @@ def test_each_shell_is_given_a_function_of_its_own(shell: str) -> None:
     assert f"_LUTGEN_COMPLETE={shell}_complete" in script
 
 
-def test_bash_completes_after_the_line_of_the_page(folder: Path) -> None:
+def test_bash_completes_after_the_line_of_the_page(folder):
     script = f"""{LINES["bash"]}
     set +u
     name=$(complete -p lutgen | sed -E 's/.*-F (\\w+) .*/\\1/')

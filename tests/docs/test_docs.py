@@ -22,14 +22,14 @@ PAPER = "docs/guide/paper.md"
 
 
 @pytest.fixture
-def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def clone(tmp_path, monkeypatch):
     """Return a folder with the recipes in it, made the working folder."""
     shutil.copytree(MAPS, tmp_path / "maps")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) -> None:
+def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
     (shell,) = blocks(PAPER, "sh")
     printed = {}
     for line in shell.splitlines():
@@ -51,21 +51,19 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) 
     assert len(printed) == 3
 
 
-def ran(command: str) -> str:
+def ran(command):
     """Run a shell command in the working folder and return what it printed."""
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{command}: {done.stderr}"
     return done.stdout
 
 
-def test_everything_in_the_firmware_guide_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # `make maps` certifies on half a million points; that both guards hold is seen on fewer.
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
 
-    def printed_by(line: str) -> str:
+    def printed_by(line):
         program, *arguments = line.split()
         return stdout(*arguments) if program == "lutgen" else ran(line)
 
@@ -83,7 +81,7 @@ def test_everything_in_the_firmware_guide_runs(
     heights = [
         float(re.search(r"^height +([\d.]+)", text, re.MULTILINE)[1])
         for text in (exact, asked, reading)
-    ]  # type: ignore[index]
+    ]
     # All three answer for the same posture; 0.5 % was asked for.
     assert max(heights) - min(heights) < 0.005 * heights[0]
     assert "0 points said to stand that tip" in export
@@ -97,7 +95,7 @@ def test_everything_in_the_firmware_guide_runs(
         ran(f"cc -std=c99 -I{folder} {folder}/stork.c use.o -shared -fPIC -o use.so")
 
 
-def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None:
+def test_the_format_document_lists_every_attribute_of_a_map(clone):
     page = ROOT / "docs/reference/format.md"
     text, _ = page.read_text(encoding="utf-8").split("# The C tables")
     listed = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
@@ -106,7 +104,7 @@ def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None
         assert set(file.attrs) == listed - {"urdf"}
 
 
-def test_the_readme_is_short_and_names_the_python_that_the_project_requires() -> None:
+def test_the_readme_is_short_and_names_the_python_that_the_project_requires():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 120
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -114,9 +112,7 @@ def test_the_readme_is_short_and_names_the_python_that_the_project_requires() ->
 
 
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake here")
-def test_cmake_makes_the_folder_again_when_the_recipe_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path, monkeypatch):
     (function,) = blocks("docs/guide/firmware.md", "cmake")
     recipe = tmp_path / "one.toml"
     shutil.copyfile(MAPS / "paper_one.toml", recipe)

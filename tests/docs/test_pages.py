@@ -68,7 +68,7 @@ PAGES |= {
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with the gallery and robot descriptions, made the working folder."""
     (tmp_path / "maps").symlink_to(MAPS)
     for name in ("quadruped.urdf", "quadruped.srdf"):
@@ -83,7 +83,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def printed(line: str, code: int = 0) -> str:
+def printed(line, code=0):
     """Run a line of a page, in this process if it can be; return what it printed on stdout."""
     command, _, target = line.partition(" > ")
     if command.startswith("lutgen ") and not re.search("[|;&]", line):
@@ -99,7 +99,7 @@ def printed(line: str, code: int = 0) -> str:
     return said
 
 
-def missing(shown: str, said: str) -> list[str]:
+def missing(shown, said):
     """Return the lines of a page that were not printed, in the order in which it shows them."""
     lines, wrong = iter(said.splitlines()), []
     for line in shown.splitlines():
@@ -109,12 +109,12 @@ def missing(shown: str, said: str) -> list[str]:
     return wrong
 
 
-def timeless(text: str) -> str:
+def timeless(text):
     """Return what a command prints without the time that computing takes here."""
     return re.sub(r"about [\d.]+ s", "about - s", text)
 
 
-def edited(edits: str, path: Path) -> None:
+def edited(edits, path):
     """Change a file as a page says."""
     text = path.read_text(encoding="utf-8")
     for old, new in re.findall(r"^-(.*)\n\+(.*)$", edits, re.MULTILINE):
@@ -124,7 +124,7 @@ def edited(edits: str, path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_everything_on_the_page_runs_and_prints_what_it_shows(name: str) -> None:
+def test_everything_on_the_page_runs_and_prints_what_it_shows(name):
     page = PAGES[name]
     files, codes = iter(page.files), [*page.codes, *[0] * 20][::-1]
     said = shown = ""
@@ -152,7 +152,7 @@ def test_everything_on_the_page_runs_and_prints_what_it_shows(name: str) -> None
 
 
 @pytest.mark.parametrize("name", ["limits", "path", "python", "search", "stance", "wheels"])
-def test_the_python_of_the_page_prints_what_its_comments_say(name: str) -> None:
+def test_the_python_of_the_page_prints_what_its_comments_say(name):
     page = f"docs/guide/{name}.md"
     files = PAGES[name].files if name in PAGES else ()
     for file, text in zip(files, blocks(page, "toml") + blocks(page, "csv"), strict=True):
@@ -167,7 +167,7 @@ def test_the_python_of_the_page_prints_what_its_comments_say(name: str) -> None:
     assert out.getvalue().splitlines() == said
 
 
-def test_a_line_that_was_not_printed_is_found() -> None:
+def test_a_line_that_was_not_printed_is_found():
     said = "one 1.25 m\ntwo\nthree\n"
     assert missing("...\nthree\n", said) == []
     assert missing("one 1.2* m\n...\nthree\n", said) == []

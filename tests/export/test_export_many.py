@@ -2,7 +2,6 @@
 
 import math
 import tracemalloc
-from pathlib import Path
 
 import pytest
 
@@ -17,9 +16,7 @@ MIB = 1 << 20
 EIGHT = lutgen.parse_recipe(steered().replace("= 2", "= 61"))
 
 
-def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(tmp_path, monkeypatch):
     assert len(EIGHT.parameters) == 8
     # float32 of two channels: 10 to the 14 bytes and more.
     assert 8 * EIGHT.grid.size * math.prod(EIGHT.chart.shape) > 1e14
@@ -41,7 +38,7 @@ def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(
     assert report.table_bytes <= 1024
 
 
-def test_a_grid_of_eight_parameters_is_refused_for_their_number(tmp_path: Path) -> None:
+def test_a_grid_of_eight_parameters_is_refused_for_their_number(tmp_path):
     with pytest.raises(ExportError, match=r"at most 6 parameters \(got 8\)") as caught:
         export(EIGHT, tmp_path / "out", codec="grid", points=1000)
     assert "\n" not in str(caught.value)

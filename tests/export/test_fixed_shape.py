@@ -1,7 +1,6 @@
 """Robots that cannot change their shape: what holds them compiles clean and answers."""
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,8 +28,8 @@ KINDS = [
 
 @pytest.mark.parametrize(("count", "codec", "arithmetic"), KINDS)
 def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
-    tmp_path: Path, count: int, codec: str, arithmetic: str
-) -> None:
+    tmp_path, count, codec, arithmetic
+):
     text = rigid("".join(contact(f"P{i}", p) for i, p in enumerate(CORNERS[:count])))
     model = Model(parse_recipe(text))
     one = usable(model, arithmetic, codec)[0]

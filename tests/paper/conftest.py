@@ -1,7 +1,6 @@
 """The paper's report, written once."""
 
 from functools import partial
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -11,7 +10,7 @@ from lutgen.cli import main
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def report(tmp_path_factory):
     """Run `lutgen paper` into a folder that holds somebody else's file, too."""
     folder = tmp_path_factory.mktemp("paper")
     (folder / "mine.txt").write_text("not the report's")

@@ -11,32 +11,30 @@ pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
 from proofs.physics import agreement, braking, ground, holding, judge, rocking
 from proofs.physics.body import Posture, body
 from proofs.physics.release import falls, falls_either_way
-from proofs.physics.start import DOWN, Start, start
+from proofs.physics.start import DOWN, start
 
 TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
 FORWARD, SIDEWAYS = np.eye(3)[:2]
 
 
-def leaning(degrees: float) -> np.ndarray:
+def leaning(degrees):
     t = math.radians(degrees)
     return np.array([math.sin(t), 0.0, -math.cos(t)])
 
 
-def begun(posture: Posture, gravity_dir: np.ndarray) -> Start:
+def begun(posture, gravity_dir):
     begin = start(posture, gravity_dir)
     assert begin is not None
     return begin
 
 
 @pytest.mark.parametrize(("off", "tips"), [(-0.02, False), (0.02, True)])
-def test_the_engine_tips_a_table_where_gravity_passes_its_front_feet(
-    off: float, tips: bool
-) -> None:
+def test_the_engine_tips_a_table_where_gravity_passes_its_front_feet(off, tips):
     posture, down = body(TABLE), leaning(math.degrees(math.atan(1.0 / 3.0)) + off)
     assert falls(posture, begun(posture, down), down) is tips
 
 
-def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls() -> None:
+def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls():
     angle = np.radians([-8.0, 0.0, 8.0])
     rail = np.stack([0.4 * np.sin(angle), 0.0 * angle, -0.4 * np.cos(angle)], axis=1)
     centres = np.concatenate([rail + side * SIDEWAYS for side in (-0.2, 0.2)])
@@ -49,7 +47,7 @@ def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls() -> None
         assert falls_either_way(posture, place, DOWN) is fell
 
 
-def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_late() -> None:
+def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_late():
     posture = body(TABLE)
     for heading, reach in ((0.0, 0.1), (0.5 * math.pi, 0.2)):
         limit = math.atan2(reach, 0.3)
@@ -60,15 +58,13 @@ def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_lat
 @pytest.mark.parametrize(
     ("off", "lean", "what"), [(-0.03, 17.0, "held on a facet"), (0.03, 20.0, "fell where safe")]
 )
-def test_a_com_off_by_3_cm_is_found(
-    off: float, lean: float, what: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_com_off_by_3_cm_is_found(off, lean, what, monkeypatch):
     posture, down = body(TABLE), leaning(lean)
     tried = [(down, begun(posture, down))]
     assert judge.missed("agreement", {"table": agreement.counted(posture, tried)}) == []
     true = Posture.tip_angles
 
-    def wrong(posture: Posture, gravity_dir: np.ndarray) -> np.ndarray:
+    def wrong(posture, gravity_dir):
         moved = tuple(replace(s, centre=s.centre + off * FORWARD) for s in posture.solids)
         return true(replace(posture, solids=moved), gravity_dir)
 
@@ -77,7 +73,7 @@ def test_a_com_off_by_3_cm_is_found(
     assert found == [f"agreement, table: 1 {what}"]
 
 
-def test_an_answer_that_every_gap_is_safe_is_disproved(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_that_every_gap_is_safe_is_disproved(monkeypatch):
     monkeypatch.setattr(rocking, "CHUNK", 6)
     name = "marv"
     assert judge.missed("rocking", {name: judge.judged("rocking", name, 0)}) == []
@@ -85,13 +81,13 @@ def test_an_answer_that_every_gap_is_safe_is_disproved(monkeypatch: pytest.Monke
     assert judge.missed("rocking", {name: judge.judged("rocking", name, 0)})
 
 
-def test_a_guarantee_of_5_deg_too_much_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guarantee_of_5_deg_too_much_is_broken(monkeypatch):
     said = ground.promised
     monkeypatch.setattr(ground, "HEADINGS", np.zeros(0))
     home = ground.gallery("marv"), np.array(ground.gallery("marv").home_params)
     assert judge.missed("ground", {"marv": ground.tilted(*home)}) == []
 
-    def generous(*given: object) -> tuple[float, np.ndarray, np.ndarray]:
+    def generous(*given):
         promise, headings, limits = said(*given)
         return promise + math.radians(5.0), headings, limits
 
@@ -99,14 +95,14 @@ def test_a_guarantee_of_5_deg_too_much_is_broken(monkeypatch: pytest.MonkeyPatch
     assert judge.missed("ground", {"marv": ground.tilted(*home)})
 
 
-def test_wheels_that_are_said_to_hold_and_roll_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wheels_that_are_said_to_hold_and_roll_are_found(monkeypatch):
     monkeypatch.setattr(holding, "CHUNK", 3)
     name = "six wheels, only the middle ones braked"
     monkeypatch.setattr(holding, "said", lambda *_: "holds")
     assert judge.missed("holding", {name: judge.judged("holding", name, 0)})
 
 
-def test_a_budget_of_a_tenth_more_is_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_budget_of_a_tenth_more_is_too_much(monkeypatch):
     monkeypatch.setattr(braking, "CHUNK", 3)
     assert judge.missed("braking", {"excavator": judge.judged("braking", "excavator", 0)}) == []
     said = braking.budgets

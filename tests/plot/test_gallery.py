@@ -2,9 +2,6 @@
 
 import importlib.util
 import sys
-from collections.abc import Iterator
-from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -13,7 +10,7 @@ from tests.fixtures.places import MAPS, ROOT
 
 
 @pytest.fixture(scope="module")
-def gallery() -> Iterator[ModuleType]:
+def gallery():
     """Return tools/gallery.py as a module."""
     path = ROOT / "tools" / "gallery.py"
     spec = importlib.util.spec_from_file_location("gallery", path)
@@ -27,7 +24,7 @@ def gallery() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def swept(tmp_path_factory):
     """Return a recipe without an entry in the gallery's table, and its small map."""
     folder = tmp_path_factory.mktemp("swept")
     text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
@@ -39,9 +36,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return recipe, folder / "newcomer.h5"
 
 
-def test_a_new_recipe_gets_figures_and_a_part_of_the_page(
-    gallery: ModuleType, swept: tuple[Path, Path], tmp_path: Path
-) -> None:
+def test_a_new_recipe_gets_figures_and_a_part_of_the_page(gallery, swept, tmp_path):
     recipe, map_path = swept
     page = tmp_path / "README.md"
     page.write_text("# Mine\n\nWritten by hand.\n", encoding="utf-8")
@@ -56,7 +51,7 @@ def test_a_new_recipe_gets_figures_and_a_part_of_the_page(
     assert all(f'src="newcomer/{name}"' in text for name in pictures)
 
 
-def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
+def test_only_the_lines_between_the_markers_change(gallery):
     page = (
         "a\n<!-- gallery x -->\nold\n<!-- end of x -->\nb\n<!-- gallery y -->\n<!-- end of y -->\n"
     )
@@ -67,9 +62,7 @@ def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
     assert gallery.with_block(grown, "z", "new") == grown
 
 
-def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
-    gallery: ModuleType,
-) -> None:
+def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(gallery):
     page = (MAPS / "README.md").read_text(encoding="utf-8")
     for path in sorted(MAPS.glob("*.toml")):
         assert path.stem in gallery.SHOTS
