@@ -102,7 +102,6 @@ def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(tmp_
 
 
 def stance(com_x):
-    """Return four feet under a centre of mass."""
     feet = "".join(
         f"[[foot]]\nposition = [{x}, {y}, 0]\n" for x, y in ((1, 1), (1, -1), (-1, 1), (-1, -1))
     )

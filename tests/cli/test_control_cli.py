@@ -93,7 +93,6 @@ def test_at_a_speed_the_path_is_ridden_in_cycles_of_the_policy(firmware):
 
 
 def found_length():
-    """Return the length of the paper's path."""
     return float(commands.run("path", RECIPE, "--no-control").stdout.split("length ")[1].split()[0])
 
 

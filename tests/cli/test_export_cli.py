@@ -24,7 +24,6 @@ QUICK = ("--codec", "contacts", "--max-error", "1%")
 
 @pytest.fixture(scope="module", autouse=True)
 def few_points():
-    """Let certificates measure few points."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(exporter, "export", partial(exporter.export, points=2000))
         yield

@@ -6,9 +6,7 @@ import math
 from functools import partial
 
 import numpy as np
-import pytest
 
-from lutgen.recipe.recipe import load_recipe
 from lutgen.search.driving import drive
 from lutgen.search.terrain import paper_path, turned
 from tests.fixtures import commands
@@ -16,21 +14,8 @@ from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 NOMINAL = 30.963756532073525
+RECIPE = MAPS / "paper_two.toml"
 PAPER = ("--turn", 30, "-p", f"alpha={NOMINAL}", "-p", f"gamma={NOMINAL}")
-
-
-@pytest.fixture(scope="module")
-def recipe():
-    """Return the path of the paper's recipe."""
-    return str(MAPS / "paper_two.toml")
-
-
-@pytest.fixture(scope="module")
-def two(recipe):
-    """Return the paper's robot."""
-    return load_recipe(recipe)
-
-
 run = partial(commands.run, "path")
 
 
@@ -57,18 +42,18 @@ def by_hand(two, points, **options):
 # What is printed
 
 
-def test_without_control_there_is_one_run_and_with_headings_there_are_four(recipe):
-    report = data(recipe, *PAPER, "--points", 8, "--headings", 4)
+def test_without_control_there_is_one_run_and_with_headings_there_are_four():
+    report = data(RECIPE, *PAPER, "--points", 8, "--headings", 4)
     names = ["fixed shape", "turning", "changing shape", "changing shape and turning"]
     assert [entry["name"] for entry in report["runs"]] == names
     assert [any(entry["turn_deg"]) for entry in report["runs"]] == [False, True] * 2
-    report = data(recipe, *PAPER, "--points", 8, "--headings", 3, "--no-control")
+    report = data(RECIPE, *PAPER, "--points", 8, "--headings", 3, "--no-control")
     assert [entry["name"] for entry in report["runs"]] == names[:2]
 
 
-def test_json_has_the_numbers_of_the_library(recipe, two):
+def test_json_has_the_numbers_of_the_library(two):
     options = ("--lag", 2, "--objective", "tip_angle", "--method", "nelder-mead")
-    report = data(recipe, *PAPER, "--points", 9, *options, "--convention", "body")
+    report = data(RECIPE, *PAPER, "--points", 9, *options, "--convention", "body")
     assert [report[key] for key in ("robot", "points", "lag")] == ["paper_two", 9, 2]
     given = {"method": "nelder-mead", "objective": "tip_angle", "convention": "body"}
     expected = by_hand(two, 9, lag=2, **given)
@@ -82,9 +67,9 @@ def test_json_has_the_numbers_of_the_library(recipe, two):
     np.testing.assert_allclose(report["path"]["z"], expected.path.position[:, 2])
 
 
-def test_rates_are_in_degrees_per_second(recipe, two):
+def test_rates_are_in_degrees_per_second(two):
     limited = ("--rate", "alpha=20", "--rate", "gamma=5", "--speed", 1.5)
-    report = data(recipe, *PAPER, "--points", 12, *limited)
+    report = data(RECIPE, *PAPER, "--points", 12, *limited)
     rates = {"alpha": math.radians(20.0), "gamma": math.radians(5.0)}
     expected = by_hand(two, 12, rates=rates, speed=1.5)
     reached = np.radians(list(report["runs"][1]["params"].values())).T
@@ -95,9 +80,9 @@ def test_rates_are_in_degrees_per_second(recipe, two):
 # What is written
 
 
-def test_the_csv_reads_back_as_the_same_numbers(recipe, two, tmp_path):
+def test_the_csv_reads_back_as_the_same_numbers(two, tmp_path):
     file = tmp_path / "run.csv"
-    good(recipe, *PAPER, "--points", 30, "-o", file)
+    good(RECIPE, *PAPER, "--points", 30, "-o", file)
     with file.open(newline="", encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     expected = by_hand(two, 30)
@@ -135,8 +120,8 @@ def test_a_rigid_robot_needs_no_control(tmp_path):
     assert "fixed shape" in good(file, "--no-control")
 
 
-def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body(recipe):
-    arguments = (recipe, "--points", 9, "--no-control", "-p", "alpha=40", "-p", "gamma=5")
+def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body():
+    arguments = (RECIPE, "--points", 9, "--no-control", "-p", "alpha=40", "-p", "gamma=5")
     report = data(*arguments)
     (run,) = report["runs"]
     assert len(report["ground_tilt_deg"]) == len(run["body_tilt_deg"]) == 9

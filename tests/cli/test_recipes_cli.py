@@ -17,7 +17,6 @@ KINDS = list(start_recipes())
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Make an empty folder the working one."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -29,7 +29,6 @@ def folder(tmp_path, monkeypatch):
 
 
 def bash(script):
-    """Run a script and return what it printed."""
     done = subprocess.run(
         ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
     )

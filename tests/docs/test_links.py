@@ -9,7 +9,6 @@ ENDS = ("", ".py")
 
 
 def prose(page):
-    """Return a page without its fenced blocks."""
     return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
 
 

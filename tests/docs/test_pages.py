@@ -115,7 +115,6 @@ def timeless(text):
 
 
 def edited(edits, path):
-    """Change a file as a page says."""
     text = path.read_text(encoding="utf-8")
     for old, new in re.findall(r"^-(.*)\n\+(.*)$", edits, re.MULTILINE):
         assert text.count(old) == 1, old

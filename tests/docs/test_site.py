@@ -39,7 +39,6 @@ def built(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def site(built):
-    """Return the folder of the site."""
     return built[0]
 
 

@@ -41,7 +41,6 @@ KINDS = ("contacts", "rover", "grid", "integer")
 
 @pytest.fixture(scope="module")
 def exports():
-    """Return one export of each kind."""
     return {
         "contacts": tripod_export("feet"),
         "rover": rover_export(),
@@ -52,7 +51,6 @@ def exports():
 
 @pytest.fixture(scope="module")
 def folders(exports, tmp_path_factory):
-    """Return their folders, which no test changes."""
     place = tmp_path_factory.mktemp("exports")
     for name, export in exports.items():
         package.write(export, place / name)
@@ -172,7 +170,6 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path):
 
 
 def header_text(export):
-    """Return NAME.h."""
     return dict(texts(export, report(export)))[f"{export.name}.h"]
 
 

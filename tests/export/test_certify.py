@@ -48,14 +48,12 @@ def honest(t, g, true):
 
 
 def certificate(answer, model=TRIPOD, guard=GUARD, **more):
-    """Certify a function of the truth."""
     device = Reader(model, reader(model, answer, guard))
     return certify(device, CHANNELS, effort=EFFORT, **more)
 
 
 @functools.cache
 def honest_one():
-    """Certify the truth itself, once for all tests."""
     return certificate(honest)
 
 

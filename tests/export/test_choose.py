@@ -87,7 +87,6 @@ class Paper(Trials):
 
 
 def best(formula, flash, percent):
-    """Return the best candidate of a formula."""
     return choose(Paper(), [formula], Goal(flash, percent))
 
 

@@ -22,7 +22,6 @@ POINTS = 4000
 
 @pytest.fixture(autouse=True)
 def quick():
-    """Ask little of fits, and nothing of compilers."""
     with few_points(), untried():
         yield
 

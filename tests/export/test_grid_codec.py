@@ -33,7 +33,6 @@ def model():
 
 @pytest.fixture(scope="module", autouse=True)
 def small_samples():
-    """Train on few points."""
     with few_points():
         yield
 

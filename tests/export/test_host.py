@@ -137,7 +137,6 @@ def test_a_library_of_other_sources_is_refused(elsewhere):
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return the folder of a small export."""
     package.write(tripod_export("feet"), tmp_path / "feet")
     return tmp_path / "feet"
 

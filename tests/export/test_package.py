@@ -26,7 +26,6 @@ NAMES = {
 
 @pytest.fixture(scope="module")
 def export():
-    """Return a small export."""
     return tripod_export("feet")
 
 

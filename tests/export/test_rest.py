@@ -41,7 +41,6 @@ ROBOTS = {
 
 
 def model(text):
-    """Return the model of a recipe's text."""
     return Model(parse_recipe(text, "test.toml"))
 
 

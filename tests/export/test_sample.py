@@ -25,7 +25,6 @@ CONE, SPHERE, WHEELS = list(MODELS.values())[:3]
 
 
 def in_box(model, sample):
-    """Tell whether all postures lie in the box."""
     return bool(((sample.params >= model.lower) & (sample.params <= model.upper)).all())
 
 

@@ -8,7 +8,6 @@ from lutgen.mapping.interpolate import interpolate, locate
 
 
 def random_axes(rng, dimensions):
-    """Knots with 2 to 5 unequal steps."""
     return [np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0 for _ in range(dimensions)]
 
 
@@ -18,7 +17,6 @@ def random_points(rng, axes, count=200):
 
 
 def located(axes, points):
-    """Return the places of points on all axes."""
     return [locate(knots, points[:, d]) for d, knots in enumerate(axes)]
 
 

@@ -33,13 +33,11 @@ def small_blocks(cut, monkeypatch):
 
 @pytest.fixture
 def path(tmp_path):
-    """Return the path of a map."""
     return tmp_path / "a.h5"
 
 
 @pytest.fixture
 def whole(tmp_path):
-    """Return the file that nothing disturbs."""
     lutgen.sweep(TRIPOD, tmp_path / "whole.h5", threads=1)
     return (tmp_path / "whole.h5").read_bytes()
 
@@ -79,7 +77,6 @@ class Killed(BaseException):
 
 
 def undisturbed(path):
-    """Return the calls of one sweep."""
     log = struck(path, lambda count, name, real, *args: real(*args))
     path.unlink()
     # Head and its signature, two channels and their digests for each block, seal.
@@ -207,7 +204,6 @@ def test_blocks_that_were_damaged_in_the_unfinished_file_are_computed_again(edit
 
 
 def dies():
-    """Die."""
     raise Killed
 
 

@@ -37,7 +37,6 @@ def refusal(path, unsealed=False):
 
 
 def flip(content, place):
-    """Flip one bit."""
     return content[:place] + bytes([content[place] ^ 0x10]) + content[place + 1 :]
 
 
@@ -165,7 +164,6 @@ def test_values_of_another_map_are_not_those_of_this_one(copy, tmp_path):
 
 
 def edit(path, key, value):
-    """Change a root attribute, or remove it."""
     with h5py.File(path, "r+") as file:
         del file.attrs[key]
         if value is not None:

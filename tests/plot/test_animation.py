@@ -5,11 +5,9 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from PIL import Image
 
 from lutgen.plot import animate
-from lutgen.recipe.recipe import load_recipe
 from lutgen.search.driving import drive
 from lutgen.search.terrain import paper_path, turned
 from tests.fixtures import commands
@@ -18,12 +16,6 @@ from tests.fixtures.places import MAPS
 NOMINAL = [math.atan(0.6)] * 2
 # Dots.
 SIZE = (640, 448)
-
-
-@pytest.fixture(scope="module")
-def two():
-    """Return the paper's robot."""
-    return load_recipe(MAPS / "paper_two.toml")
 
 
 def by_hand(two, points, **options):

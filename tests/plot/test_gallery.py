@@ -11,7 +11,6 @@ from tests.fixtures.places import MAPS, ROOT
 
 @pytest.fixture(scope="module")
 def gallery():
-    """Return tools/gallery.py as a module."""
     path = ROOT / "tools" / "gallery.py"
     spec = importlib.util.spec_from_file_location("gallery", path)
     assert spec is not None

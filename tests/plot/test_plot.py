@@ -31,14 +31,7 @@ CORNERS = [(AHEAD, LEFT), (-BEHIND, LEFT), (-BEHIND, -RIGHT), (AHEAD, -RIGHT)]
 
 
 @pytest.fixture(scope="module")
-def two():
-    """Return the paper's robot with two parameters."""
-    return lutgen.load_recipe(MAPS / "paper_two.toml")
-
-
-@pytest.fixture(scope="module")
 def table():
-    """Return the fixed rectangle."""
     return lutgen.parse_recipe(rigid(feet([(x, y, -HEIGHT) for x, y in CORNERS])))
 
 
@@ -50,7 +43,6 @@ def absolem():
 
 @pytest.fixture(scope="module")
 def two_map(two, tmp_path_factory):
-    """Return a small map of the paper's robot."""
     text = two.text.replace("alpha = 50, gamma = 50", "alpha = 11, gamma = 6")
     path = tmp_path_factory.mktemp("maps") / "two.h5"
     lutgen.sweep(lutgen.parse_recipe(text.replace("nodes = 33", "nodes = 9")), path)
@@ -69,7 +61,6 @@ def words(figure):
 
 
 def title(figure):
-    """Return the answer of a figure."""
     return figure.texts[0].get_text().replace("\n", " ")
 
 

@@ -10,17 +10,10 @@ from lutgen.analysis import Posture, posture_limits, sweep_limits, tilt_limits
 from lutgen.plot import draw_limits, draw_path, save
 from lutgen.plot.path import CAMERA
 from lutgen.plot.style import LIGHT
-from lutgen.recipe import load_recipe, parse_recipe
+from lutgen.recipe import parse_recipe
 from lutgen.search import drive, paper_path, turned
 from lutgen.search.terrain import along
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod
-
-
-@pytest.fixture(scope="module")
-def two():
-    """Return the paper's robot."""
-    return load_recipe(MAPS / "paper_two.toml")
 
 
 def by_hand(two, points, **options):

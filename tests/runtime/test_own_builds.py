@@ -41,7 +41,6 @@ WHOLE = ("tables_integer",)
 
 @functools.cache
 def export_of(name):
-    """Return an export of the proofs."""
     return SUBJECTS[name]()
 
 

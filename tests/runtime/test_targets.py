@@ -21,7 +21,6 @@ CASE = cases.Case("tripod", partial(tripod_export, "tripod"))
 
 @pytest.fixture
 def row(tmp_path, monkeypatch):
-    """Return a row of a small export."""
     monkeypatch.setattr(cases, "BUILD", tmp_path)
     return run.prepared(CASE)
 

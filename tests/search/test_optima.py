@@ -25,12 +25,6 @@ LEVEL = [0.0, 0.0, -1.0]
 
 
 @pytest.fixture(scope="module")
-def two() -> Recipe:
-    """Return the paper's robot with two moving wheels."""
-    return lutgen.load_recipe(MAPS / "paper_two.toml")
-
-
-@pytest.fixture(scope="module")
 def one() -> Recipe:
     """Return the paper's robot with one moving wheel."""
     return lutgen.load_recipe(MAPS / "paper_one.toml")
