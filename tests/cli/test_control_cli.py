@@ -18,6 +18,7 @@ from lutgen.channels import evaluate_each
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures import commands
 from tests.fixtures.documents import blocks
+from tests.fixtures.fits import untried
 from tests.fixtures.needs import ROS
 from tests.fixtures.places import MAPS
 
@@ -30,7 +31,7 @@ budget, control = partial(commands.data, "budget"), partial(commands.data, "cont
 def firmware(tmp_path_factory):
     """Run the commands of the page, on a coarser lattice of postures; return the folder."""
     folder = tmp_path_factory.mktemp("page")
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, untried():
         patch.chdir(folder)
         patch.setattr("firmware_export.control.objective.POSTURES", 100)
         patch.setattr("firmware_export.exporter.POINTS", 500)

@@ -61,7 +61,7 @@ def ran(command):
 def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # `make maps` certifies on half a million points; that both guards hold is seen on fewer.
-    monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
+    monkeypatch.setattr(exporter, "export", partial(exporter.export, points=5_000))
 
     def printed_by(line):
         program, *arguments = line.split()

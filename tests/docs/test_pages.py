@@ -18,6 +18,7 @@ from firmware_export import control, exporter
 from firmware_export.control import objective
 from tests.fixtures.commands import run
 from tests.fixtures.documents import blocks, mixed
+from tests.fixtures.fits import untried
 from tests.fixtures.places import MAPS, ROOT, VECTORS
 
 # The program `lutgen` of this environment and these sources, for lines that need a shell.
@@ -80,7 +81,8 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=5_000))
     monkeypatch.setattr(control, "policy", partial(control.policy, points=5_000))
     monkeypatch.setattr(objective, "POSTURES", 40)
-    return tmp_path
+    with untried():
+        yield tmp_path
 
 
 def printed(line, code=0):

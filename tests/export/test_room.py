@@ -2,6 +2,7 @@
 
 import subprocess
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from tests.fixtures.quadruped import quadruped
 OK, TIPS = 0, 2
 
 
+@cache
 def export_of(name):
     recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
     return contacts.export(Model(recipe), name, ("tip_angle",))
@@ -79,7 +81,7 @@ def test_an_export_that_knows_its_robot_answers_as_code_for_any(name, tmp_path):
 def test_hardly_a_posture_needs_more_room(name):
     whole = export_of(name)
     everything = replace(whole, tables=replace(whole.tables, room=LIMITS))
-    asked = queries(whole, 20_000, 1)
+    asked = queries(whole, 10_000, 1)
     given, enough = host_of(whole).read(*asked), host_of(everything).read(*asked)
     assert (given[0] == enough[0]).mean() > 0.9995
 

@@ -8,7 +8,7 @@ import pytest
 import lutgen
 from lutgen.errors import InputError
 from lutgen.mapping import channel_range, share_that_tips
-from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, rover, tripod, without_limits
+from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod, without_limits
 
 TETRAHEDRON = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 SQUARE = [(1, 1, -1), (-1, 1, -1), (-1, -1, -1), (1, -1, -1)]
@@ -167,26 +167,6 @@ def test_seams_of_the_sphere_are_crossed_without_a_jump(swept):
     one, other = (sphere.read([0.2, 0.1], side, ["tip_angle"])["tip_angle"] for side in either)
     # The chart's slope is about 1 rad per unit: 1e-8 is ten times the step.
     np.testing.assert_allclose(one, other, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("text", "params"),
-    [
-        (rover(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0), [0.4]),
-        (tripod(nodes=1, channels=ALL_CHANNELS), [0.2, np.radians(5.0)]),
-        (rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])), []),
-    ],
-    ids=["round contacts", "a single direction", "no parameters"],
-)
-def test_other_robots_are_read_as_they_are_evaluated_at_a_node(text, params, tmp_path):
-    recipe = lutgen.parse_recipe(text)
-    directions = recipe.chart.directions().reshape(-1, 3)
-    got = lutgen.sweep(recipe, tmp_path / "a.h5").read(params, directions, ["tip_angle", "sdg"])
-    want = lutgen.evaluate(recipe, [params], directions)
-    clear = np.abs(want["tip_angle"][0]) > 1e-9
-    assert clear.any()
-    for name in ("tip_angle", "sdg"):
-        np.testing.assert_allclose(got[name][clear], want[name][0][clear], rtol=1e-6, atol=1e-9)
 
 
 # The whole map.
