@@ -2,9 +2,11 @@
 
 import functools
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Effort, certify
@@ -12,6 +14,7 @@ from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
+from firmware_export.protocol import Export
 from firmware_export.truth import slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
@@ -31,33 +34,35 @@ EFFORT = Effort(12_000, 20, 12)
 
 
 @functools.cache
-def export_of(name, error=None):
+def export_of(name: str, error: float | None = None) -> Export:
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
     return contacts.INFO.export(model, "robot", EXPORTABLE, spec=spec)
 
 
-def tables_of(export):
+def tables_of(export: Export) -> Series:
     terms = export.tables.terms
     assert isinstance(terms, Series)
     return terms
 
 
-def places(model, count, seed):
+def places(model: Model, count: int, seed: int) -> NDArray[np.float32]:
     rng = np.random.default_rng(seed)
-    return model.at(rng.random((count, model.k))).astype(np.float32)
+    found: NDArray[np.float32] = model.at(rng.random((count, model.k))).astype(np.float32)
+    return found
 
 
-def off_at(one, params):
+def off_at(one: Export, params: NDArray[np.float32]) -> NDArray[np.float64]:
     """Return how far (m, n) the contacts of the C are from the robot's."""
     many = one.tables.many
     order = one.tables.three.order if many is None else many.order
     real = one.model.postures(params.astype(np.float64)).centres[:, list(order)]
-    return np.linalg.norm(host_of(one).positions(params) - real, axis=2)
+    distance: NDArray[np.float64] = np.linalg.norm(host_of(one).positions(params) - real, axis=2)
+    return distance
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name):
+def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name: str) -> None:
     for error in (COARSEST[name], 3e-6):
         one = export_of(name, error)
         said = contacts.off_of(one.model, one.tables.spec)
@@ -69,7 +74,7 @@ def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name):
+def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name: str) -> None:
     one = export_of(name)
     params = np.repeat(places(one.model, 400, 2), 25, axis=0)
     gravity = np.random.default_rng(3).normal(size=(len(params), 3)).astype(np.float32)
@@ -92,7 +97,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name)
 
 
 @pytest.mark.parametrize("name", ["legs", "wheels"])
-def test_the_worst_points_of_the_truth_find_no_false_safe(name):
+def test_the_worst_points_of_the_truth_find_no_false_safe(name: str) -> None:
     one = export_of(name)
     found = certify(device(one), EXPORTABLE, effort=EFFORT)
     assert found.false_safe == 0
@@ -102,7 +107,7 @@ def test_the_worst_points_of_the_truth_find_no_false_safe(name):
     assert name != "legs" or certify(device(bold), EXPORTABLE, effort=EFFORT).false_safe > 0
 
 
-def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():
+def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else() -> None:
     knots = tables_of(export_of("stops")).knots
     assert [len(one) for one in knots] == [3, 2]
     assert knots[0][1] == pytest.approx(0.37, abs=1e-6)
@@ -110,7 +115,7 @@ def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():
     assert export_of("stops").tables.bytes < 120
 
 
-def test_what_no_series_hold_is_refused_in_one_sentence():
+def test_what_no_series_hold_is_refused_in_one_sentence() -> None:
     for name, reason in (
         ("latched", "jump (by 0.05 where reach is 0.37)"),
         ("one_way", "kinks along no axis"),
@@ -127,11 +132,11 @@ def test_what_no_series_hold_is_refused_in_one_sentence():
         series_of(Model(four), 1e-3)
 
 
-def test_positions_of_a_robot_without_parameters_are_constants():
+def test_positions_of_a_robot_without_parameters_are_constants() -> None:
     recipe = coded("scissors")
-    contacts_, com = recipe.function(np.array([[1.0, 0.0, 0.1]]))
+    contacts_, com = recipe.function(np.array([[1.0, 0.0, 0.1]]))  # type: ignore[operator]
 
-    def still(q):
+    def still(q):  # type: ignore[no-untyped-def]
         return np.repeat(contacts_, len(q), axis=0), np.repeat(com, len(q), axis=0)
 
     model = Model(replace(recipe, parameters=(), function=still, home=None))
@@ -140,7 +145,7 @@ def test_positions_of_a_robot_without_parameters_are_constants():
     assert off_at(one, np.zeros((1, 0), np.float32)).max() < 1e-6
 
 
-def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further():
+def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further() -> None:
     one = export_of("legs")
     left, right = one.recipe.parameters
     room = slack(left)
@@ -154,7 +159,7 @@ def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further():
         assert reading[0, 1] <= exact
 
 
-def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range():
+def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range() -> None:
     one = export_of("round_about")
     turns = np.array([[0.4], [0.4 + 2.0 * np.pi], [0.4 - 6.0 * np.pi]], np.float32)
     status, reading = device(one).read(turns, [[0.1, 0.05, -1.0]] * 3)
@@ -163,11 +168,11 @@ def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range():
     assert device(export_of("legs")).read([[0.4, -1.0]], [[0.0, 0.0, -1.0]])[0][0] == OFF_RANGE
 
 
-def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path):
+def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path: Path) -> None:
     with untried():
         report = export(coded("wheels"), tmp_path / "out", points=1000)
     assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
     assert report.table_bytes < 330
-    assert report["certificate"]["false_safe"] == 0
+    assert report["certificate"]["false_safe"] == 0  # type: ignore[index]
     text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
     assert "#define SMAP_SERIES 1" in text
