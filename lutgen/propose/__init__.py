@@ -7,5 +7,3 @@ In reading order: `contacts`, `opened`, `effects`, `axles`, `symmetry`, `couplin
 from lutgen.propose.couplings import Coupling
 from lutgen.propose.doubts import recipe_doubts
 from lutgen.propose.proposal import Imported, import_urdf
-
-__all__ = ["Coupling", "Imported", "import_urdf", "recipe_doubts"]

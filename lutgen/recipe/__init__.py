@@ -26,30 +26,3 @@ from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
-
-__all__ = [
-    "GALLERY",
-    "HDF5",
-    "TOLERANCE",
-    "Postures",
-    "Recipe",
-    "body_parts",
-    "contact_tolerance_of",
-    "forward",
-    "gallery_names",
-    "gallery_text",
-    "load_recipe",
-    "merged_recipe",
-    "parse_recipe",
-    "postures",
-    "radii_and_kinds",
-    "read_tables",
-    "read_text",
-    "recipe_digest",
-    "recipe_schema",
-    "robot_size_of",
-    "start_recipe",
-    "start_recipes",
-    "swung_links",
-    "within_limits",
-]
