@@ -5,18 +5,18 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Force, Group, Link
+from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link
 from lutgen.recipe.code import load_function
 from lutgen.recipe.described import links_and_shapes, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
-    axles_of,
     contacts_of,
     knots_of,
     links_of,
     parameters_of,
+    part,
     three,
     weighed,
     wheels_of,
@@ -101,12 +101,10 @@ def parse_recipe(
         for one, parameter in zip(robot.parameter, parameters, strict=True)
     )
     tilt = () if gravity.max_tilt is None else (math.radians(gravity.max_tilt),)
-    recipe = Recipe(
-        name=robot.name,
-        length_unit=robot.length_unit,
+    recipe = part(
+        Recipe,
+        robot,
         friction=robot.friction,
-        upright=math.radians(robot.upright),
-        rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
         links=weighed((*links, *payloads), robot.mass),
         contacts=contacts,
@@ -119,19 +117,11 @@ def parse_recipe(
         source=source,
         function=function,
         wheels=wheels_of(robot, contacts),
-        axles=axles_of(robot),
+        axles=tuple(part(Axle, one) for one in robot.axle),
         urdf=urdf if robot.urdf is not None else None,
-        groups=tuple(Group(one.name, tuple(one.contacts)) for one in robot.group),
-        forces=tuple(
-            Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
-            for one in robot.force
-        ),
-        com_uncertainty=robot.com_uncertainty,
-        com_offset=three(robot.com_offset),
-        rest_width=robot.rest_width,
-        contact_tolerance=robot.contact_tolerance,
+        groups=tuple(part(Group, one) for one in robot.group),
+        forces=tuple(part(Force, one) for one in robot.force),
         home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},
-        title=robot.title,
     )
     return snap(recipe)
 
