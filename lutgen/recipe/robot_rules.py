@@ -7,7 +7,7 @@ from lutgen.parts import Contact, parents_first, way_up
 from lutgen.recipe.load import Fault
 from lutgen.recipe.robot import unit
 from lutgen.recipe.rules import absent, given, known_name, twice
-from lutgen.recipe.schema import ANGLE_UNITS, MAX_CONTACTS, Force, Joint, Parameter, Payload, Robot
+from lutgen.recipe.schema import ANGLE_UNITS, MAX_CONTACTS, Joint, Parameter, Robot
 
 # Numbers that say the same thing twice may differ by their last digits.
 SAME = 1e-9
@@ -113,43 +113,36 @@ def part_faults(
         way_out = "add contacts" if len(contacts) < 3 else way_out
         yield Fault("robot.contact", what, len(contacts), way_out)
     named = {contact.name: contact for contact in contacts}
-    yield from _axle_faults(robot, links, named)
-    yield from _wheel_faults(robot, named)
-    yield from twice("robot.group", [[one.name] for one in robot.group])
-    for place, group in enumerate(robot.group, 1):
-        key = f"robot.group[{place}].contacts"
-        if not group.contacts:
-            yield Fault(key, "names no contact", group.contacts, "name one or more")
-        for name in group.contacts:
-            yield from known_name(key, name, named, "contact")
+    known: dict[str, Collection[str]] = {"link": links, "contact": named, "contacts": named}
+    weightless = "counts for nothing on a robot without masses", "give its links masses in kg"
     if robot.mass is not None and not massive:
-        what = "counts for nothing on a robot without masses"
-        yield Fault("robot.mass", what, robot.mass, "give its links masses in kg")
-    loads: dict[str, Sequence[Force | Payload]] = {"force": robot.force, "payload": robot.payload}
-    for kind, parts in loads.items():
-        # A payload is a link.
-        taken = links if kind == "payload" else ()
-        yield from twice(f"robot.{kind}", [[part.name] for part in parts], taken)
+        yield Fault("robot.mass", weightless[0], robot.mass, weightless[1])
+    for kind in ("axle", "wheel", "group", "payload", "force"):
+        parts = getattr(robot, kind)
+        if kind != "wheel":
+            # A payload is a link.
+            taken = links if kind == "payload" else ()
+            yield from twice(f"robot.{kind}", [[part.name] for part in parts], taken)
         for place, part in enumerate(parts, 1):
             key = f"robot.{kind}[{place}]"
-            yield from known_name(f"{key}.link", part.link, links, "link")
-            if not massive:
-                name = "force" if isinstance(part, Force) else "mass"
-                what, got = "counts for nothing on a robot without masses", getattr(part, name)
-                yield Fault(f"{key}.{name}", what, got, "give its links masses in kg")
+            for name, there in known.items():
+                some = getattr(part, name, [])
+                for each in [some] if isinstance(some, str) else some:
+                    yield from known_name(f"{key}.{name}", each, there, name.removesuffix("s"))
+            for name in ("mass", "force"):
+                if hasattr(part, name) and not massive:
+                    yield Fault(f"{key}.{name}", weightless[0], getattr(part, name), weightless[1])
+    yield from _axle_faults(robot, links, named)
+    yield from _wheel_faults(robot, named)
 
 
 def _axle_faults(
     robot: Robot, links: Mapping[str, str | None], contacts: Mapping[str, Contact]
 ) -> Iterator[Fault]:
-    yield from twice("robot.axle", [[axle.name] for axle in robot.axle])
     carried: set[str] = set()
     for place, axle in enumerate(robot.axle, 1):
-        key = f"robot.axle[{place}]"
-        yield from known_name(f"{key}.link", axle.link, links, "link")
         for side, name in enumerate(axle.contacts, 1):
-            here = f"{key}.contacts[{side}]"
-            yield from known_name(here, name, contacts, "contact")
+            here = f"robot.axle[{place}].contacts[{side}]"
             if name in carried:
                 yield Fault(here, "is on an axle already", name, "name two that are on no other")
             carried.add(name)
@@ -162,7 +155,6 @@ def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fau
     there: set[str] = set()
     for place, wheel in enumerate(robot.wheel, 1):
         key, name = f"robot.wheel[{place}]", wheel.contact
-        yield from known_name(f"{key}.contact", name, contacts, "contact")
         if name in there:
             way_out = "give each contact one wheel"
             yield Fault(f"{key}.contact", "carries a wheel already", name, way_out)
