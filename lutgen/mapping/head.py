@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen._version import __version__
-from lutgen.mapping.blocks import Plan
-from lutgen.mapping.seal import ATTRIBUTE, BLANK, DEFINITION, DIGEST, Storage
+from lutgen.mapping.seal import ATTRIBUTE, BLANK, DEFINITION, DIGEST, Plan, Storage
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 

@@ -8,9 +8,8 @@ import h5py
 import numpy as np
 
 from lutgen.errors import LutgenError, MapFileError, reject
-from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import COMPLETE, DIGESTS, FORMAT, ROWS
-from lutgen.mapping.seal import DEFINITION, Storage, check_seal
+from lutgen.mapping.seal import DEFINITION, Plan, Storage, check_seal
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest

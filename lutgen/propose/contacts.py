@@ -8,8 +8,7 @@ import numpy as np
 from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
-from lutgen.urdf.links import Place, centre_of_mass, downwards
-from lutgen.urdf.shapes import TOUCHING, link_contacts
+from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200

@@ -11,10 +11,9 @@ from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.joints import TURN
-from lutgen.urdf.links import Place, centre_of_mass, downwards
+from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS
-from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 # Share of the com's height above the ground by which one link of a leg is lower than another: the

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.propose.axles import held, swinging_axles
 from lutgen.propose.contacts import (
     closed_shapes,
     listed,
@@ -15,7 +14,7 @@ from lutgen.propose.contacts import (
     refuse_bolted,
 )
 from lutgen.propose.couplings import Coupling, chosen_motion
-from lutgen.propose.doubts import doubts
+from lutgen.propose.doubts import doubts, held, swinging_axles
 from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import (
@@ -30,9 +29,8 @@ from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion, read_motion
-from lutgen.urdf.links import places, require_mass
+from lutgen.urdf.links import TOUCHING, places, require_mass, used_shapes
 from lutgen.urdf.meshes import Meshes
-from lutgen.urdf.shapes import TOUCHING, used_shapes
 
 
 @dataclass(frozen=True)

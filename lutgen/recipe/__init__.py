@@ -1,7 +1,7 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `schema`, `json_schema`, `load`, `robot`, `rules`, `robot_rules`, `model`,
-`described`, `code`, `gallery`, `kinematics`, `size`, `snap`, `recipe`, `merge`.
+In reading order: `schema`, `json_schema`, `load`, `robot`, `rules`, `model`, `described`,
+`gallery`, `kinematics`, `snap`, `recipe`, `merge`.
 """
 
 from lutgen.recipe.described import body_parts
@@ -25,4 +25,4 @@ from lutgen.recipe.load import HDF5, read_tables, read_text
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
 from lutgen.recipe.recipe import load_recipe, parse_recipe
-from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
+from lutgen.recipe.snap import TOLERANCE, contact_tolerance_of, robot_size_of

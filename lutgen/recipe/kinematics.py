@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError, reject
 from lutgen.jit import njit
 from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
-from lutgen.recipe.code import asked
+from lutgen.recipe.described import asked
 from lutgen.recipe.model import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats, Ints, Vector

@@ -6,8 +6,7 @@ import os
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
 from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link
-from lutgen.recipe.code import load_function
-from lutgen.recipe.described import links_and_shapes, read_description
+from lutgen.recipe.described import links_and_shapes, load_function, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
@@ -21,8 +20,7 @@ from lutgen.recipe.robot import (
     weighed,
     wheels_of,
 )
-from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
-from lutgen.recipe.rules import head_faults
+from lutgen.recipe.rules import contact_faults, head_faults, link_faults, part_faults
 from lutgen.recipe.schema import Export, File
 from lutgen.recipe.snap import snap
 

@@ -17,8 +17,7 @@ from lutgen.errors import suggestion
 from lutgen.parts import parents_first
 from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
-from lutgen.urdf.printed import parts_of_turns
-from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
+from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, parts_of_turns
 from lutgen.vector import Vector
 
 MAX_LINKS = bounds.LINKS.most

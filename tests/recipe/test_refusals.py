@@ -102,7 +102,7 @@ FAULTS = [
     (
         'channels = ["sdg", "tip_angle"]',
         'channels = ["energy_margin"]',
-        "sweep.channels`: energy_margin is not defined under a force or with com_uncertainty",
+        "sweep.gravity.channels[1]`: is not defined under a force or with com_uncertainty",
     ),
     ("[sweep]\n", '[sweep]\nchannels = ["sdg"]\n', "sweep.channels`: is given in"),
     ('"16KiB"', '"16 acres"', "export.flash`: is not a quantity above 0 (got '16 acres'); write"),
