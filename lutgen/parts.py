@@ -7,6 +7,7 @@ of how they are written down (`recipe`, `urdf`) or of how a robot moves.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from lutgen.errors import InputError
@@ -199,8 +200,7 @@ def way_up(parents: Mapping[str, str | None], name: str | None) -> list[str]:
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:
     """Return the names with parents before children, or a loop; a root has the parent None.
 
-    The order is by the distance from the root, otherwise as given, and empty where there is a loop:
-    that is the way from a name upwards until one is met again, which is the last.
+    The order is by the distance from the root, otherwise as given, and empty where there is a loop.
 
     Examples
     --------
@@ -209,16 +209,11 @@ def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[st
     >>> parents_first({"foot": "leg", "leg": "foot"})
     ([], ['foot', 'leg', 'foot'])
     """
+    above = {name: [] if parent is None else [parent] for name, parent in parents.items()}
     depth: dict[str, int] = {}
-    for name in parents:
-        way: dict[str, None] = {}
-        here: str | None = name
-        # Names that are known to hang from a root need not be followed again.
-        while here is not None and here not in depth:
-            if here in way:
-                return [], [*way, here]
-            way[here] = None
-            here = parents[here]
-        above = -1 if here is None else depth[here]
-        depth |= {one: above + rise for rise, one in enumerate(reversed(way), 1)}
+    try:
+        for name in TopologicalSorter(above).static_order():
+            depth[name] = depth.get(parents[name] or "", -1) + 1
+    except CycleError as error:
+        return [], error.args[1][::-1]
     return sorted(parents, key=depth.__getitem__), []

@@ -12,11 +12,11 @@ import numpy as np
 from lutgen.parts import Axle, Contact, way_up
 from lutgen.recipe import Recipe
 from lutgen.recipe.robot import unit
-from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import TURN, read_motion
 from lutgen.urdf.links import Place, places
 from lutgen.urdf.read import parse_urdf
+from lutgen.vector import rotation
 
 # The axle's line is within 30 deg of the way ahead.
 AHEAD = math.cos(math.radians(30.0))

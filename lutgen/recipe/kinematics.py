@@ -16,8 +16,7 @@ from lutgen.jit import njit
 from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
 from lutgen.recipe.described import asked
 from lutgen.recipe.model import Recipe
-from lutgen.rotation import rotation
-from lutgen.vector import Floats, Ints, Vector
+from lutgen.vector import Floats, Ints, Vector, rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
 

@@ -17,11 +17,10 @@ from scipy.spatial import ConvexHull, QhullError
 
 from lutgen import bounds
 from lutgen.errors import InputError, optional
-from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
 from lutgen.urdf.sources import Sources, quoted
 from lutgen.urdf.xml import LARGEST
-from lutgen.vector import Floats
+from lutgen.vector import Floats, rotation
 
 # Larger files are not read: they have more than a million triangles, and no foot needs that.
 MAX_BYTES = bounds.MESH_BYTES.most
