@@ -79,8 +79,7 @@ def expected_seconds(recipe: Recipe) -> float:
 def require_standing(recipe: Recipe) -> None:
     """Refuse a recipe whose robot stands in none of its postures, in no direction of its chart.
 
-    3 knots of every parameter and 9 x 9 directions of each face are looked at, and if it stands
-    nowhere there, every node up to `AT_MOST` readings.
+    A few nodes are looked at, and if it stands nowhere there, all up to `AT_MOST` readings.
     """
     grid, chart = recipe.grid, recipe.chart
     coarse = [np.unique([0, axis.size // 2, axis.size - 1]) for axis in grid.axes[:6]]

@@ -19,15 +19,9 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
     """Open a map file.
 
     MapFileError is raised if it is missing, held by another program, no lutgen map, damaged,
-    rewritten, incomplete, or of another format or definition of what stands.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    unsealed : bool
-        Whether a map that another program has rewritten or edited is read, too.  Its values may be
-        wrong then, and a file that was made to do harm may crash HDF5.
+    rewritten, incomplete, or of another format or definition of what stands.  One that another
+    program has rewritten or edited is read if it may be `unsealed`: its values may be wrong then,
+    and a file that was made to do harm may crash HDF5.
     """
     name, sealed = os.fspath(path), True
     try:
