@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lutgen.parts import Axle, Contact, way_up
+from lutgen.parts import Axle, Contact
+from lutgen.propose.contacts import hanging, placed
 from lutgen.recipe import Recipe
 from lutgen.recipe.robot import unit
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
@@ -30,20 +31,16 @@ def swinging_axles(
     `where` has each link's rotation and origin; the two contacts are on either side of the pivot.
     """
     found = []
-    parents = {child: joint.parent for child, joint in robot.above.items()}
+    inside, centre = hanging(robot, contacts), placed(contacts, where)[0]
     for joint in robot.joints:
         turn, hinge = where[joint.child]
-        ahead = turn @ joint.axis
+        ahead, carried = turn @ joint.axis, inside[joint.child]
         if joint.effort != 0.0 or joint.kind != "revolute" or abs(ahead[0]) < AHEAD:
             continue
-        carried = [one for one in contacts if joint.child in way_up(parents, one.link)]
-        if len(carried) != 2:
-            continue
-        spots = [where[one.link][1] + where[one.link][0] @ one.position for one in carried]
-        sides = [float(np.cross(ahead, spot - hinge)[2]) for spot in spots]
-        if sides[0] * sides[1] < 0.0:
+        sides = np.cross(ahead, centre[carried] - hinge)[:, 2]
+        if len(carried) == 2 and sides[0] * sides[1] < 0.0:
             axis = unit((rotation(joint.rpy) @ joint.axis).tolist())
-            names = (carried[0].name, carried[1].name)
+            names = (contacts[carried[0]].name, contacts[carried[1]].name)
             stops = max(abs(joint.lower), abs(joint.upper))
             limit = stops if math.isfinite(stops) and stops > 0.0 else None
             found.append(Axle(joint.name, names, joint.parent, joint.origin, axis, limit))
@@ -140,22 +137,19 @@ def _off(link: UrdfLink, span: float) -> float:
 
 def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
     """Return the joints that no motor holds though contacts hang from them."""
-    above = robot.above
-    found: dict[str, None] = {}
-    for contact in contacts:
-        turn, origin = where[contact.link]
-        spot, link = origin + turn @ contact.position, contact.link
-        while link in above:
-            joint = above[link]
-            link = joint.parent
-            about, hinge = where[joint.child]
-            lever = np.linalg.norm(np.cross(about @ joint.axis, spot - hinge))
-            if joint.effort == 0.0 and (lever > 1e-6 or joint.kind == "prismatic"):
-                found[joint.name] = None
+    inside, centre, found = hanging(robot, contacts), placed(contacts, where)[0], []
+    for joint in robot.joints:
+        about, hinge = where[joint.child]
+        levers = np.cross(about @ joint.axis, centre[inside[joint.child]] - hinge)
+        moved = len(levers) > 0 and joint.kind == "prismatic"
+        if joint.effort == 0.0 and (
+            moved or np.linalg.norm(levers, axis=1).max(initial=0.0) > 1e-6
+        ):
+            found.append(repr(joint.name))
     if not found:
         return []
     return [
-        f"joint {', '.join(map(repr, found))}: effort is 0, and contacts hang from it: if nothing "
+        f"joint {', '.join(found)}: effort is 0, and contacts hang from it: if nothing "
         "holds it, the robot tips earlier than is said; write two contacts on a free pivot as a "
         "[[robot.axle]]"
     ]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.parts import Contact
-from lutgen.propose.contacts import placed, robot_size
+from lutgen.propose.contacts import hanging, placed, robot_size
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion
 from lutgen.urdf.links import Place, carried, downwards, places
@@ -80,11 +80,7 @@ def effects(
     values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}
     where = places(robot, motion, values)
     centre, axis = placed(contacts, where)
-    inside: dict[str, list[int]] = {link.name: [] for link in robot.links}
-    for i, contact in enumerate(contacts):
-        inside[contact.link].append(i)
-    for joint in reversed(downwards(robot)):
-        inside[joint.parent] += inside[joint.child]
+    inside = hanging(robot, contacts)
     mass, moment = carried(robot, where)
     total = mass[robot.root]
     result = dict.fromkeys(motion.free, (0.0, 0.0))
