@@ -34,11 +34,9 @@ def to_display(values: Any, unit: str) -> Any:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A geometry parameter: one axis of the map.
+    """A geometry parameter: one axis of the map, with its limits in `unit`, rad or length.
 
-    `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
-    `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
-    `meaning` is what figures say of its values.
+    `display_unit` is the recipe's own, and `meaning` what figures say of its values.
     """
 
     name: str
@@ -131,9 +129,8 @@ class Contact:
 class Axle:
     """An axle that swings freely about a line, and the two contacts that it carries.
 
-    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`, which
-    holds the pivot.  The robot is described with the axle amid its swing; `stops` (rad) is how far
-    it swings to either side, None if nothing stops it.
+    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`.  The
+    robot is described with the axle amid its swing, which `stops` (rad) end on either side.
     """
 
     name: str
@@ -148,9 +145,8 @@ class Axle:
 class Wheel:
     """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
 
-    `radius` is the rolling radius.  A steered wheel may turn about the ground's normal.
-    `rollers` (rad) is None or the angle gamma of a Swedish wheel: from the rolling
-    direction to the axis of the roller on the ground, anticlockwise seen from above.
+    A steered wheel may turn about the ground's normal.  `rollers` (rad) is the angle of a Swedish
+    wheel from the rolling direction to the axis of the roller on the ground, anticlockwise.
     """
 
     contact: str

@@ -48,9 +48,8 @@ def links_and_shapes(
 ) -> tuple[tuple[Link, ...], dict[int, list[Contact]]]:
     """Return the links of a recipe's description, and the shapes of contacts without a position.
 
-    Each parameter is the joint of its `joint` key or its own name, or drives those of its `drive`,
-    within their limits; all others stand at zero or at their limit nearest to it, and joints that
-    mimic one follow it.  The links are all, under their own names, m and kg.
+    Each parameter is the joint of its `joint` key or its own name, or drives those of its `drive`;
+    all others stand at zero or at their limit nearest to it, and joints that mimic one follow it.
     """
     described = parse_urdf(content, f"{source}: {robot.urdf}")
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
@@ -137,8 +136,7 @@ def _shape_faults(
 def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
     """Return what is known of the body above the contacts, in its links' frames, length unit.
 
-    The com of every link that has a mass, as a point inside of what the link is, and the spheres,
-    cylinders and boxes of a description's links that carry no contact; none of a robot by code.
+    The com of every link that has a mass, and the shapes of a description's links without contacts.
     """
     if recipe.python is not None:
         return ()
@@ -154,10 +152,9 @@ def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
 def load_function(
     source: str, name: str, parameters: tuple[Parameter, ...], allow_python: bool
 ) -> tuple[Callable[..., Any], int]:
-    """Import a posture function and call it once at the middle of its parameters.
+    """Import a posture function, from the recipe's folder first, and call it once amid its ranges.
 
-    The module of `name`, ``"module:function"``, is looked for in the recipe's folder first; without
-    `allow_python` no code runs.  Returns ``q (m, k) -> contacts (m, n, 3), com (m, 3)`` and n.
+    Returns ``q (m, k) -> contacts (m, n, 3), com (m, 3)`` and n.
     """
     refuse = partial(fail, source, "robot.python")
     if not allow_python:
@@ -169,7 +166,6 @@ def load_function(
     if not callable(function):
         refuse(f"module has no function {function_name}", name, "check the name")
     middle = np.array([[(p.minimum + p.maximum) / 2.0 for p in parameters]])
-    middle = middle.reshape(1, len(parameters))
     contacts, _ = asked(source, function, middle, kind=RecipeError)
     if not 3 <= contacts.shape[1] <= MAX_CONTACTS:
         what = f"must return 3 to {MAX_CONTACTS} contacts"

@@ -26,14 +26,10 @@ from lutgen.recipe.snap import snap
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
-    """Read a recipe file; one with any fault raises RecipeError.
+    """Read a recipe file, TOML in UTF-8, or `recipe:NAME` of the gallery inside the package.
 
-    Parameters
-    ----------
-    path : path
-        A TOML file, UTF-8, or `recipe:NAME` for one of the gallery, which comes with the package.
-    allow_python : bool
-        Whether a recipe may run the code that its `python` key names.
+    One with any fault raises RecipeError; it may run the code that its `python` key names with
+    `allow_python` alone.
     """
     source = os.fspath(path)
     text = gallery_text(source) if source.startswith(GALLERY) else read_text(path)
@@ -49,17 +45,9 @@ def parse_recipe(
 ) -> Recipe:
     """Check the text of a recipe, TOML; one with any fault raises RecipeError.
 
-    Parameters
-    ----------
-    text, source : str
-        The text, and its file for messages, in whose folder the code of a `python` key and the
-        file of a `urdf` key are.
-    allow_python : bool
-        Whether a recipe may run the code that its `python` key names.
-    inert : bool
-        Leave that code alone even so, and open no file: enough to read a map.
-    urdf : str, optional
-        Content of the robot description that the recipe names, instead of the file.
+    In the folder of `source`, its file for messages, are the code of a `python` key, which runs
+    with `allow_python` alone, and the description of a `urdf` key, if its content is not given.
+    An `inert` recipe runs no code and opens no file: enough to read a map.
     """
     file = read_tables(text, source, File)
     robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()

@@ -32,17 +32,13 @@ def contact_tolerance_of(recipe: Recipe) -> float:
 
 @lru_cache(maxsize=64)
 def robot_size_of(recipe: Recipe) -> float:
-    """Return the size of a robot (length), 0 where every contact is a point at the com.
-
-    It is the greatest distance of a contact's far side from the com over `POSTURES`.
-    """
+    """Return the greatest distance of a contact's far side from the com over `POSTURES`."""
     places = []
-    for place, parameter in enumerate(recipe.parameters):
-        middle = 0.5 * (parameter.minimum + parameter.maximum)
-        ends = [parameter.minimum, parameter.maximum]
-        if 3 ** len(recipe.parameters) <= POSTURES:
-            ends.insert(1, middle)
-        places.append(ends if 2 ** (place + 1) <= POSTURES else [middle])
+    for place, one in enumerate(recipe.parameters):
+        knots = [one.minimum, 0.5 * (one.minimum + one.maximum), one.maximum]
+        if 3 ** len(recipe.parameters) > POSTURES:
+            knots = knots[::2] if 2 ** (place + 1) <= POSTURES else knots[1:2]
+        places.append(knots)
     radius, _ = radii_and_kinds(recipe)
     centres = forward(recipe, np.array(list(product(*places)), dtype=np.float64)).centres
     return float((np.sqrt((centres**2).sum(axis=2)) + radius).max(initial=0.0))
