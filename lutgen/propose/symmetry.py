@@ -36,8 +36,7 @@ class Limb(NamedTuple):
     """A limb, which hangs from a joint: how it moves and where it is, frame of the root.
 
     `axis` (3,) and `spot` (3,), the middle of its contacts or else its com, are those with all
-    joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.  `mass`
-    is in kg; `above` has the joints that carry it, itself among them.
+    joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.
     """
 
     slides: bool

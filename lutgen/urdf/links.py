@@ -40,8 +40,7 @@ def require_mass(robot: UrdfRobot) -> None:
 def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
-    A joint held away from zero is part of its link's placement; `parameters` has the name of the
-    parameter for each free joint.  Without any mass RecipeError is raised.
+    A joint held away from zero is part of its link's placement; `parameters` names free joints'.
     """
     require_mass(robot)
     described = {link.name: link for link in robot.links}

@@ -84,11 +84,7 @@ def _hull(corners: Floats) -> Floats:
 
 
 def _corners(path: Path) -> Floats:
-    """Return the corners (n, 3) in a file, m.
-
-    Collada is in the unit that it declares, and with its axes as they are, as ROS reads it.
-    InputError says what is wrong without naming the file.
-    """
+    """Return the corners (n, 3) in a file, m; of Collada with its axes as they are, as in ROS."""
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)

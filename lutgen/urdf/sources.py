@@ -64,9 +64,7 @@ class Sources:
     def package(self, name: str) -> Path | None:
         """Return the folder of a package, None where there is none.
 
-        The one that is given for the name, in ROS_PACKAGE_PATH and up to 3 levels below,
-        ``share/NAME`` in AMENT_PREFIX_PATH, then from `start` upwards each folder that is the
-        package, by its package.xml or above `start` by its own name, or that holds it.
+        It is the one that is given, or found by ROS's variables, or from `start` upwards.
         """
         if name in self.named:
             return self.named[name]
@@ -125,8 +123,7 @@ def load_xacro(
     """Expand a xacro file and check the description that comes out.
 
     `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
-    values of ``<xacro:arg>``.  InputError is raised without the package xacrodoc, RecipeError for
-    a package that is not found, what cannot be expanded, and what describes no robot.
+    values of ``<xacro:arg>``.
     """
     source = os.fspath(path)
     text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
