@@ -16,6 +16,7 @@ from blake3 import blake3
 
 from lutgen.errors import MapFileError
 from lutgen.quantities import QUANTITIES
+from lutgen.recipe import HDF5 as SIGNATURE
 from lutgen.recipe import Recipe
 
 # Nodes of a block per channel: 4 MiB of float32, large enough that the cost of a block vanishes and
@@ -90,7 +91,6 @@ DEFINITION = 3
 ATTRIBUTE = "digest"
 # Bytes of the digest of a block; one that is not written yet is zeros.
 DIGEST = 32
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # The number of this way of sealing; 1 and 2 belong to map format 1.
 _WAY = 3
 _TEXT = f"lutgen-digest-{_WAY} at={{:012d}} head={{:012d}} size={{:015d}} blake3={{}}"

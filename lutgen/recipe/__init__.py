@@ -1,6 +1,6 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `schema`, `json_schema`, `load`, `robot`, `rules`, `model`, `described`,
+In reading order: `schema`, `load`, `robot`, `rules`, `model`, `described`,
 `gallery`, `kinematics`, `snap`, `recipe`, `merge`.
 """
 
@@ -12,7 +12,6 @@ from lutgen.recipe.gallery import (
     start_recipe,
     start_recipes,
 )
-from lutgen.recipe.json_schema import recipe_schema
 from lutgen.recipe.kinematics import (
     Postures,
     forward,
@@ -21,7 +20,7 @@ from lutgen.recipe.kinematics import (
     swung_links,
     within_limits,
 )
-from lutgen.recipe.load import HDF5, read_tables, read_text
+from lutgen.recipe.load import HDF5, read_tables, read_text, recipe_schema
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
 from lutgen.recipe.recipe import load_recipe, parse_recipe
