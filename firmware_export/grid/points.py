@@ -74,10 +74,7 @@ def reach_of(model: Model) -> float:
 
 
 def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, unit: float) -> Point:
-    """Return the table of one contact, in units, of so many nodes along each of its axes.
-
-    The model's box is what sensors may say (`widened`).
-    """
+    """Return the table of one contact, in units, of so many nodes along each of its axes."""
     axes = depends_on(model, contact)
 
     def exact(places: list[Floats]) -> Floats:
@@ -118,11 +115,7 @@ MOST, AT_ONCE = 200_000, 20_000
 
 
 def turned(model: Model, order: tuple[int, int, int], points: tuple[Point, ...]) -> float:
-    """Return how far (rad) an arc is above its stored plane at most; pi where there is no plane.
-
-    The model's box is what sensors may say (`widened`); `order` has the recipe's contacts in the
-    order of the tables.
-    """
+    """Return how far (rad) an arc is above its stored plane at most; pi where there is no plane."""
     nodes = np.ones(model.k, np.intp)
     for one in points:
         for axis, count in zip(one.axes, one.codes.shape, strict=False):

@@ -36,10 +36,9 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """The blocks of one map.
+    """The blocks of one map, whose channels have a `shape` (parameters..., face, v, u).
 
-    `shape` is that of a channel's variable (parameters..., face, v, u).  A block has `rows` rows,
-    whole postures or a part of one; the last block of the map or of a posture may have fewer.
+    A block has `rows` rows, whole postures or a part of one; the last of either may have fewer.
     """
 
     shape: tuple[int, ...]
@@ -108,11 +107,7 @@ _AS_IT_IS = (
 
 @dataclass(frozen=True)
 class Storage:
-    """The places of a map file's values, and the facts that their digests depend on.
-
-    `places` are the bytes at which the channels begin, in order; `version` is that of the lutgen
-    that computed the values.
-    """
+    """The bytes at which a map file's channels begin, and the facts that digests depend on."""
 
     recipe: Recipe
     layout: Plan

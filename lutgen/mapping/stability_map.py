@@ -99,11 +99,7 @@ class StabilityMap:
         return self._values[name]
 
     def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
-        """Read a channel block by block, for maps that are larger than the memory.
-
-        Yields the number of a first row, posture * (faces * nodes) + face * nodes + v, and the
-        block's values (rows, nodes) from there on.
-        """
+        """Yield a channel block by block: the number of a first row, and values (rows, nodes)."""
         index = self._index(name)
         kind, width = np.dtype(QUANTITIES[name].stored_type), self.chart.nodes
         try:
@@ -199,10 +195,7 @@ class StabilityMap:
         return np.where(inside, found, np.nan)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file.
-
-        InputError is raised if xarray is not installed.
-        """
+        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file."""
         xarray = optional(self.path, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
