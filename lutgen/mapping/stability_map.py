@@ -195,7 +195,7 @@ class StabilityMap:
         return np.where(inside, found, np.nan)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file."""
+        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from a file."""
         xarray = optional(self.path, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
