@@ -23,8 +23,7 @@ from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import evaluate
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
-from lutgen.rotation import axis_rotation
-from lutgen.vector import Floats
+from lutgen.vector import Floats, axis_rotation
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 # Part of a polygon's width: contacts nearer to an edge belong to it, and not to what is behind it.
