@@ -25,25 +25,9 @@ READS, LEFT = 400, 1e-6
 def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike) -> Floats:
     """Return the largest accelerations before postures tip over, (m,), m/s^2, rounded down.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Geometry parameters, rad or length.
-    gravity, direction : (m, 3) array_like
-        Down, and where the robot accelerates: body frame, any length > 0.  Braking is backward,
-        turning to the left is to the left.
-
-    Returns
-    -------
-    (m,) float64
-        0 where the posture tips anyway, `MOST` where it would not tip below that.
-
-    Raises
-    ------
-    InputError
-        For shapes that do not fit, and directions that are none.
+    0 where a posture (m, k) tips anyway, `MOST` where it would not tip below that.  `gravity`
+    (m, 3) is down and `direction` (m, 3) where the robot accelerates, body frame, any length > 0:
+    braking is backward, turning to the left is to the left.
     """
     rows = np.asarray(params, dtype=np.float64)
     force, to = _units("gravity", gravity, len(rows)), _units("direction", direction, len(rows))

@@ -84,18 +84,9 @@ def equilibrium(
     weight x size; at the limit it holds.  The size is the largest distance of a contact from their
     middle; of one contact alone, that of the com from it.
 
-    Parameters
-    ----------
-    points : (n, 3) array_like
-        Where the robot touches the ground, n >= 1; any frame, any unit.
-    normals : (n, 3) array_like
-        Out of the ground towards the robot, of any length > 0.
-    friction : float or (n,) array_like
-        Coulomb's coefficient, 0 to 1e6: of all contacts, or of each.
-    com : (3,) array_like
-        Centre of mass.
-    gravity_dir : (3,) array_like
-        Down, of any length > 0.
+    `points` (n, 3) are where the robot touches the ground, `normals` (n, 3) lead out of the ground,
+    of any length > 0; `friction`, 0 to 1e6, is of all contacts or (n,) of each; `com` (3,) is the
+    centre of mass and `gravity_dir` (3,) down, of any length > 0.
 
     Examples
     --------

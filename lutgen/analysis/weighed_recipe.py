@@ -39,11 +39,7 @@ def lines_of(keys: dict[str, float | list[float]]) -> list[str]:
 def corrected(recipe: Recipe, found: Weighed) -> str:
     """Return the recipe's text with the correction below its `[robot]`; all else stays.
 
-    Raises
-    ------
-    RecipeError
-        Where the text has no line `[robot]`, or the keys stand there in a way that is not
-        understood; the message has the lines to write by hand.
+    A text where the keys cannot be replaced is refused with the lines to write by hand.
     """
     keys = correction(recipe, found)
     lines, result, inside, written = recipe.text.splitlines(), [], False, False

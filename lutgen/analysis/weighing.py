@@ -93,25 +93,12 @@ class _Rows:
 
 
 def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
-    """Fit mass and com to readings by least squares.
+    """Fit mass and com of a recipe's robot to readings by least squares.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot as it is described.
-    readings : sequence of Weighing or Tipping
-        The robot stands on the facet on which it rests on level ground, and tips from it.
-
-    Returns
-    -------
-    Weighed
-        What cannot be determined moves as little as the readings need.  If they scatter more than
-        their deviations say, the result's deviations grow with them.
-
-    Raises
-    ------
-    InputError
-        For no readings, unknown contacts, contacts in the air, and loads that no mass explains.
+    The robot stands on the facet on which it rests on level ground, and tips from it.  What cannot
+    be determined moves as little as the readings need.  If they scatter more than their deviations
+    say, the result's deviations grow with them.  Refused are no readings, unknown contacts,
+    contacts in the air, and loads that no mass explains.
     """
     if not readings:
         raise InputError("there is nothing to weigh with (got no readings); give scales or tilts.")

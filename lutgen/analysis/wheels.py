@@ -171,10 +171,9 @@ def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling |
 
 
 def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
-    """Categorise the robot by the degrees of freedom that its wheels leave it.
+    """Return the degrees of freedom that the wheels leave, refusing what `wheel_speeds` refuses.
 
-    Contacts without a wheel are taken to slide or swivel and constrain nothing, like wheels that
-    hover and Swedish wheels.  Parameters and refusals are those of `wheel_speeds`.
+    Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     """
     return _structure(_find_ground(posture, gravity_dir))
 
@@ -196,24 +195,18 @@ def wheel_speeds(
     ----------
     posture : Posture
     velocity : (2,) array_like
-        Velocity of the centre of mass, length per second: along the part of the body's x axis in
-        the contact plane, and to the left of it.
+        Of the centre of mass, length per second: along the part of the body's x axis in the contact
+        plane, and to the left of it.
     yaw_rate : float
-        Angular velocity about the plane's upward normal, rad/s.
+        About the plane's upward normal, rad/s.
     gravity_dir : (3,) array_like
-        Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
+        Down, body frame, any length > 0; it only chooses the support facet.
 
     Returns
     -------
     Motion
         Also of an impossible motion, with its slip.  A steered wheel that is slower than a
         millionth of the motion keeps the angle 0 and the speed 0.
-
-    Raises
-    ------
-    InputError
-        Without wheels or a support facet, where the body's x axis or the axle of a wheel that
-        touches is normal to it, and where the motion is not three finite numbers.
     """
     asked = np.asarray(velocity, np.float64)
     if asked.shape != (2,) or not np.isfinite(asked).all():

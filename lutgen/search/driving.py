@@ -78,31 +78,16 @@ def drive(
 ) -> Drive:
     """Drive a robot along a path.
 
-    Parameters
-    ----------
-    recipe : Recipe
-    path : Path
-        Where it drives, in the recipe's length unit.
-    control : bool
-        Whether the robot changes its geometry; if not, it keeps `params0`.
-    lag : int
-        Points by which control is late: point i has what was found for point i - lag, and the
-        first `lag` points have `params0` and the path's own heading.
-    method, objective, convention
-        As for `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
-        robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
-    params0 : (k,) array_like, optional
-        The geometry before control begins, rad or length; the middle of the ranges by default.
-    rates : mapping of str to float, optional
-        The fastest change of parameters, rad or length per second; a parameter without one follows
-        at once.  The robot begins the path in `params0`.
-    speed : float, optional
-        Length per second along the path; required with `rates`, and only with them.
-    headings : int, optional
-        Number of headings that the robot may turn to, evenly spaced, its own among them.  The turn
-        is about the ground's normal; of equally good headings the nearest to its own counts.
-    **options
-        `bounds`, `start`, `levels`, `ends` and `seed` of `optimum`.
+    `path` is in the recipe's length unit.  Without `control` the robot keeps `params0` (k,), rad or
+    length, by default the middle of the ranges.  Control is late by `lag` points: point i has what
+    was found for point i - lag, and the first ones have `params0` and the path's own heading.
+    `method`, `objective`, `convention` and `options` (`bounds`, `start`, `levels`, `ends`, `seed`)
+    are those of `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
+    robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
+    `rates` are the fastest changes of parameters, rad or length per second, at a `speed` (length
+    per second); a parameter without one follows at once.  The robot may turn about the ground's
+    normal to so many `headings`, evenly spaced, its own among them; of equally good ones the
+    nearest to its own counts.
 
     Examples
     --------

@@ -52,20 +52,9 @@ def paper_path(
 ) -> Path:
     """Return the paper's rough terrain, Eqs 30-33: x = s, y = 0.8 sin(s)/s, z = 15 sin(s)^2/s.
 
-    Parameters
-    ----------
-    points : int
-        At least 2, evenly spaced in s.
-    attitude : {"pitch", "surface"}
-        ``"pitch"``: the robot looks along world x and pitches by atan(dz/ds); its roll is 0.
-        ``"surface"``: it looks along world x on ground that is level across the path.
-    span : (float, float)
-        First and last s.
-
-    Returns
-    -------
-    Path
-        Without unit; slopes come from the derivative.  The heading is 0 throughout.
+    The points, at least 2, are evenly spaced in s over the `span`; they have no unit, slopes come
+    from the derivative, and the heading is 0 throughout.  Attitude ``"pitch"``: the robot pitches
+    by atan(dz/ds), its roll is 0; ``"surface"``: the ground is level across the path.
 
     Examples
     --------
