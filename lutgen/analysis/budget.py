@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.channels import evaluate_each
-from lutgen.errors import InputError
+from lutgen.chart import unit_directions
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -30,7 +30,7 @@ def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: Ar
     braking is backward, turning to the left is to the left.
     """
     rows = np.asarray(params, dtype=np.float64)
-    force, to = _units("gravity", gravity, len(rows)), _units("direction", direction, len(rows))
+    force, to = np.array(unit_directions(gravity)), unit_directions(direction)
     found, at = np.zeros(len(rows)), np.arange(len(rows))
     for _ in range(READS):
         tip = evaluate_each(recipe, rows[at], force[at], ("tip_angle",))["tip_angle"]
@@ -53,15 +53,3 @@ def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: Ar
 def turn_speed(acceleration: ArrayLike, radius: float) -> Floats:
     """Return the speeds (m/s) at which turns of a radius (m) take accelerations (m/s^2)."""
     return np.asarray(np.sqrt(np.maximum(np.asarray(acceleration) * radius, 0.0)))
-
-
-def _units(name: str, given: ArrayLike, count: int) -> Floats:
-    """Return directions (count, 3), unit; refuse what is none."""
-    rows = np.array(given, dtype=np.float64)
-    length = np.linalg.norm(rows, axis=-1, keepdims=True)
-    if rows.shape != (count, 3) or not (np.isfinite(length) & (length > 0.0)).all():
-        raise InputError(
-            f"{name} must have the shape ({count}, 3), finite and not zero (got {rows.shape}); "
-            "give one direction for each posture"
-        )
-    return np.asarray(rows / length)

@@ -109,7 +109,8 @@ def drive(
             f"{recipe.source}: the robot has no geometry parameter to control (got none); drive it "
             "without control (--no-control)"
         )
-    start = _start(recipe, params0)
+    middle = [(p.minimum + p.maximum) / 2.0 for p in recipe.parameters]
+    start = np.array(middle if params0 is None else params0, dtype=np.float64)
     fastest = _rates(recipe, rates, speed)
     count = len(path.position)
     turn, wanted = np.zeros(count), np.tile(start, (count, 1))
@@ -174,20 +175,6 @@ def _turns(headings: int) -> Floats:
     # Half a turn and more to the left is less to the right.
     steps = np.where(2 * whole > headings, whole - headings, whole)
     return np.asarray(2.0 * np.pi * steps[np.argsort(np.abs(steps), kind="stable")] / headings)
-
-
-def _start(recipe: Recipe, params0: ArrayLike | None) -> Floats:
-    """Return the geometry before control begins, (k,)."""
-    if params0 is None:
-        return np.array([(p.minimum + p.maximum) / 2.0 for p in recipe.parameters])
-    start = np.array(params0, dtype=np.float64)
-    if start.shape != (len(recipe.parameters),) or not np.isfinite(start).all():
-        raise InputError(
-            f"{recipe.source}: params0 needs one finite number for each of "
-            f"{len(recipe.parameters)} parameters (got {np.asarray(params0).tolist()}); leave it "
-            "out to begin in the middle of their ranges"
-        )
-    return start
 
 
 def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | None) -> Floats | None:
