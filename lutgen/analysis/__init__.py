@@ -2,7 +2,7 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `stopping`, `balance`, `uneven`, `footing`.
+`budget`, `stopping`, `balance`, `uneven`, `footing`, `weighing`, `weighed_recipe`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
@@ -34,4 +34,6 @@ from lutgen.analysis.tilt_table import (
     sweep_limits,
 )
 from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
+from lutgen.analysis.weighed_recipe import corrected, correction, correction_lines
+from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing, weigh
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
