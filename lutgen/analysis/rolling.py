@@ -7,6 +7,7 @@ it does under none.  The verdict on tipping is that of the robot held in place.
 """
 
 import math
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,6 @@ from lutgen.analysis.forces import load_corners, normal_forces
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.sliding import first_tilts
-from lutgen.analysis.tilt import tilt_limits
 from lutgen.channels import checked_directions, evaluate
 from lutgen.errors import InputError
 from lutgen.support import DISC, SPHERE
@@ -135,8 +135,8 @@ def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
     The tilts are looked at every 2 deg; NaN where it tips over before it rolls.  Up to there it
     may hold; up to `hold_limits` it does.
     """
-    end = tilt_limits(posture.recipe, posture.params, headings)
-    return first_tilts(lambda down, _: rolls(posture, down), headings, end, STEP, HALVINGS)
+    turns = partial(rolls, posture)
+    return first_tilts(posture, turns, headings, step=STEP, halvings=HALVINGS)
 
 
 def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
@@ -146,12 +146,11 @@ def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
     on level ground alone.
     """
 
-    def gives(down: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def gives(down: Floats) -> NDArray[np.bool_]:
         stands = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0] >= 0.0
         return np.asarray(stands & ~holds(posture, down))
 
-    end = tilt_limits(posture.recipe, posture.params, headings)
-    return first_tilts(gives, headings, end, STEP, HALVINGS)
+    return first_tilts(posture, gives, headings, step=STEP, halvings=HALVINGS)
 
 
 def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:

@@ -25,26 +25,28 @@ HALVINGS = 35
 
 
 def first_tilts(
-    happens: Callable[[Floats, NDArray[np.intp]], NDArray[np.bool_]],
+    posture: Posture,
+    happens: Callable[[Floats], NDArray[np.bool_]],
     headings: ArrayLike,
-    until: ArrayLike,
+    convention: str = "body",
     step: float = STEP,
     halvings: int = HALVINGS,
 ) -> Floats:
     """Return the smallest tilt (h,) in each heading at which something happens, all in rad.
 
-    `happens` takes directions (j, 3) and the headings' indices (j,) and returns (j,) bool.  What
-    begins and ends between two looks, a `step` apart, may be missed; the last step is halved.  NaN
-    where it does not happen before `until`, a tilt for all headings or for each.
+    `happens` takes directions (j, 3) in the body and returns (j,) bool.  What begins and ends
+    between two looks, a `step` apart, may be missed; the last step is halved.  NaN where it does
+    not happen before the robot tips.  `convention` is that of `tilt.level_frames`.
     """
     heading = np.asarray(headings, dtype=np.float64)
-    end = np.broadcast_to(np.asarray(until, dtype=np.float64), heading.shape)
+    frame = level_frames(posture.recipe, posture.row, convention)[0]
+    end = tilt_limits(posture.recipe, posture.params, heading, convention)
     rows = np.arange(heading.size)
     before, after = np.zeros(heading.size), np.full(heading.size, math.nan)
     count = 0
     while rows.size:
         tilt = np.minimum(count * step, end[rows])
-        found = happens(tilted(tilt, heading[rows]), rows)
+        found = happens(tilted(tilt, heading[rows]) @ frame.T)
         after[rows[found]] = tilt[found]
         goes_on = ~found & (tilt < end[rows])
         before[rows[~found]] = tilt[~found]
@@ -52,7 +54,7 @@ def first_tilts(
     between = np.flatnonzero(after > before)
     if between.size:
         _, after[between] = halve(
-            lambda middle: happens(tilted(middle, heading[between]), between),
+            lambda middle: happens(tilted(middle, heading[between]) @ frame.T),
             before[between],
             after[between],
             halvings,
@@ -68,7 +70,7 @@ def share_limits(
     `name` is that of a group or of a contact.  Up to the tilt at which the robot tips at most; 0
     where it carries less on level ground, which `convention` refers to, see `tilt.level_frames`.
     """
-    recipe, row = posture.recipe, posture.row
+    recipe = posture.recipe
     groups = {one: Group(one, (one,)) for one in recipe.contact_names}
     groups |= {group.name: group for group in recipe.groups}
     if name not in groups or not 0.0 < share <= 1.0:
@@ -77,15 +79,13 @@ def share_limits(
             f"{name}={share:g}); there are {', '.join(groups)}"
         )
     alone = replace(recipe, groups=(groups[name],))
-    frame = level_frames(recipe, row, convention)[0]
 
-    def light(directions: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
-        found = evaluate(alone, row, directions @ frame.T, ("least_share",))["least_share"][0]
+    def light(down: Floats) -> NDArray[np.bool_]:
+        found = evaluate(alone, posture.row, down, ("least_share",))["least_share"][0]
         return np.asarray(~(found >= share))
 
     end = tilt_limits(recipe, posture.params, headings, convention)
-    found = first_tilts(light, headings, end)
-    return np.where(np.isnan(found), end, found)
+    return np.fmin(first_tilts(posture, light, headings, convention), end)
 
 
 def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body") -> Floats:
@@ -95,22 +95,21 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
     in the body; a facet that is not shifts it, to 0 where the robot slides on level ground already.
     NaN where it tips over first.  `convention` is that of `tilt.level_frames`.
     """
-    recipe, row, push = posture.recipe, posture.row, posture.wrench[PHI:MU]
+    recipe, push = posture.recipe, posture.wrench[PHI:MU]
     if recipe.friction is None:
         raise InputError(
             f"{recipe.source}: the recipe has no friction coefficient (got no `robot.friction`); "
             "add one, for example friction = 0.8, to learn where the robot slides."
         )
-    mu, frame = recipe.friction, level_frames(recipe, row, convention)[0]
+    mu = recipe.friction
     normals = np.array([facet.normal for facet in posture.stance.facets]).reshape(-1, 3)
 
-    def slides(directions: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
-        down = directions @ frame.T
-        facet = evaluate(recipe, row, down, ("facet",))["facet"][0]
+    def slides(down: Floats) -> NDArray[np.bool_]:
+        facet = evaluate(recipe, posture.row, down, ("facet",))["facet"][0]
         found, on = np.zeros(len(down), np.bool_), facet >= 0.0
         normal, force = normals[facet[on].astype(int)], down[on] + push
         across = np.linalg.norm(np.cross(normal, force), axis=1)
         found[on] = across > mu * (normal * force).sum(axis=1)
         return found
 
-    return first_tilts(slides, headings, tilt_limits(recipe, posture.params, headings, convention))
+    return first_tilts(posture, slides, headings, convention)

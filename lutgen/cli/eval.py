@@ -90,7 +90,7 @@ def exact_report(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[
             "centroid": found.facet.centroid,
             "pierced": found.pierced,
         }
-    report["com"] = found.com
+    report["com"] = posture.placed.com[0]
     if recipe.com_uncertainty:
         report["com_uncertainty"] = recipe.com_uncertainty
     if recipe.has_wrench:
@@ -121,7 +121,7 @@ def axis_entry(found: "analysis.Diagnosis", index: int) -> dict[str, Any]:
         **output.entries(axis, "tip_angle_deg margin energy_margin"),
         # Under a load there is no such measure of the nominal weight alone.
         "force_angle_rad": None
-        if found.com_uncertainty or len(found.forces)
+        if found.posture.recipe.com_uncertainty or found.posture.recipe.forces
         else float(analysis.axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
     }
 

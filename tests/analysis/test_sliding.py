@@ -82,15 +82,16 @@ def test_a_robot_without_support_slides_on_nothing() -> None:
     assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
 
 
-def test_the_first_tilt_is_found_to_rounding_and_ends_where_it_is_told() -> None:
-    bound = np.array([0.3, 0.7, 1.1])
+def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips() -> None:
+    # It tips at 45 deg straight ahead.
+    posture, headings = Posture(table(None), []), np.zeros(2)
+    for bound, expected in ((0.3, 0.3), (0.79, math.nan)):
 
-    def steep(directions: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        return np.arccos(-directions[:, 2]) >= bound[rows]
+        def steep(down: np.ndarray, bound: float = bound) -> np.ndarray:
+            return np.arccos(-down[:, 2]) >= bound
 
-    found = first_tilts(steep, np.zeros(3), [1.0, 1.0, 1.0])
-    assert found[:2] == pytest.approx(bound[:2], abs=1e-8)  # an arc cosine near 0.3
-    assert np.isnan(found[2])
+        found = first_tilts(posture, steep, headings)
+        assert found == pytest.approx(expected, abs=1e-8, nan_ok=True)  # an arc cosine near 0.3
 
 
 # Figures
