@@ -191,8 +191,6 @@ def _refuse(model: Model, wishes: Wishes) -> None:
                 raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
     slope = math.degrees(wishes.slope)
     faults = {
-        f"nodes: from 2 to 65 (got {wishes.nodes})": 2 <= wishes.nodes <= 65,
-        f"poses: 1 or 2 (got {wishes.poses})": wishes.poses in (1, 2),
         f"slope: above 0 and below 89 deg (got {slope:g})": 0.0 < slope < 89.0,
     }
     for what in ("cycle", "latency", "margin"):

@@ -48,7 +48,11 @@ class Options(RecipeOptions):
     )
     turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
     headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
-    bump: float = option(default=0.0, help="Height of a bump below one contact as it stops, m.")
+    bump: float = option(
+        type=given.Number(float, 0.0),
+        default=0.0,
+        help="Height of a bump below one contact as it stops, m.",
+    )
     reads: int = option(
         type=given.Number(int, 1, 32),
         default=4,
@@ -74,8 +78,6 @@ def budget(source: str, options: Options) -> None:
     """
     if not 0.0 < options.turn < math.inf:
         raise InputError(f"--turn: a radius above 0 m (got {options.turn:g}).")
-    if options.bump < 0.0:
-        raise InputError(f"--bump: a height of 0 m or more (got {options.bump:g}).")
     robot, limit = opened(source, options)
     kind = "compiled" if Path(source).is_dir() else "exact"
     rows = budget_rows(robot, limit, postures(robot, options), options, kind == "exact")

@@ -40,13 +40,16 @@ class Options(RunOptions):
         type=float, help="Along the path, length per second.  [default: a cycle at each point]"
     )
     latency: float | None = option(
-        type=float, help="From sample to motion, s; a cycle at least.  [default: the policy's]"
+        type=given.Number(float, 0.0),
+        help="From sample to motion, s; a cycle at least.  [default: the policy's]",
     )
     rate: tuple[tuple[str, float], ...] = given.values(
         help="How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
-        default=0.0, help="Standard deviation of each axis of the accelerometer, m/s2."
+        type=given.Number(float, 0.0),
+        default=0.0,
+        help="Standard deviation of each axis of the accelerometer, m/s2.",
     )
     seed: int = option(default=0, help="Of the noise.")
     no_gyroscope: bool = option(is_flag=True, help="The robot has none.")

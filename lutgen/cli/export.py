@@ -61,7 +61,9 @@ class PolicyOptions(FolderOptions):
     within: float = option(
         default=1.0, help="Of all postures within so many deg of the best the smoothest is taken."
     )
-    nodes: int = option(default=9, help="Nodes of the table along either slope.")
+    nodes: int = option(
+        type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
+    )
     slope: float = option(default=45.0, help="Steepest slope of the table, deg.")
     home: tuple[tuple[str, float], ...] = given.values(
         help="Posture where nothing else matters; repeat for each."
@@ -78,7 +80,11 @@ class PolicyOptions(FolderOptions):
     convention: str = given.convention(
         "plane", "body", "Whether the robot leans as its shape makes it, or keeps its attitude."
     )
-    poses: int = option(default=1, help="Poses that a cycle may make of many contacts, 1 or 2.")
+    poses: int = option(
+        type=given.Number(int, 1, 2),
+        default=1,
+        help="Poses that a cycle may make of many contacts, 1 or 2.",
+    )
 
 
 @command("source", ExportOptions)

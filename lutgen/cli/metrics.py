@@ -10,14 +10,17 @@ from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import analysis, np
 from lutgen.cli.options import RecipeOptions, command, open_recipe, option
-from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    tilt: float = given.tilt()
+    tilt: float = option(
+        type=given.Number(float, 0.0, 180.0),
+        default=20.0,
+        help="Of the ground in deg, for the metrics over all headings.",
+    )
     headings: int = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
         default=24,
@@ -35,10 +38,6 @@ def metrics(recipe: str, options: Options) -> None:
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
     """
-    if not 0.0 <= options.tilt <= 180.0:
-        raise InputError(
-            f"--tilt must lie between 0 and 180 deg (got {options.tilt:g}); 20 is the default"
-        )
     robot = open_recipe(recipe, options.allow_python)
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     report = metrics_report(posture, options.tilt, options.headings)

@@ -171,9 +171,6 @@ method = functools.partial(
     default="search",
 )
 output = functools.partial(option, "-o", type=Named())
-tilt = functools.partial(
-    option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
-)
 
 
 def convention(

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, figures, np, robots, searches
@@ -35,13 +36,16 @@ class Options(RunOptions):
         help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
         "nx,ny,nz.",
     )
-    points: int | None = option(type=int, help=f"Of the paper's path.  [default: {POINTS}]")
+    points: int | None = option(
+        type=given.Number(int, 2, bounds.POINTS.most),
+        help=f"Of the paper's path.  [default: {POINTS}]",
+    )
     turn: float = option(
         default=0.0,
         help="Turn the robot by this angle against the path's heading, deg, to the left.",
     )
     no_control: bool = option(is_flag=True, help="Only drive without changing the shape.")
-    lag: int = option(default=1, help="Points by which control is late.")
+    lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
         default="sdg",
@@ -55,7 +59,10 @@ class Options(RunOptions):
         help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
     speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
-    headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
+    headings: int | None = option(
+        type=given.Number(int, 1, bounds.HEADINGS.most),
+        help="Let the robot turn, too, to this many headings.",
+    )
 
 
 @command("recipe", Options)

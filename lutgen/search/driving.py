@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen import bounds
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -102,8 +101,6 @@ def drive(
     >>> drive(robot, path, params0=nominal).share
     0.22
     """
-    if lag < 0:
-        raise InputError(f"control cannot be ahead of the robot (got lag {lag}); use 0 or more")
     if control and not recipe.parameters:
         raise InputError(
             f"{recipe.source}: the robot has no geometry parameter to control (got none); drive it "
@@ -168,9 +165,6 @@ def _geometries(
 
 def _turns(headings: int) -> Floats:
     """Return the turns to evenly spaced headings, rad, the smallest first."""
-    if headings < 1:
-        raise InputError(f"a robot has at least one heading (got {headings}); use 1 or more")
-    bounds.check(headings, bounds.HEADINGS, "the headings of a robot", "use fewer")
     whole = np.arange(headings)
     # Half a turn and more to the left is less to the right.
     steps = np.where(2 * whole > headings, whole - headings, whole)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen import bounds
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 
@@ -61,9 +60,6 @@ def paper_path(
     >>> path.gravity[0].round(3)  # it begins with a climb of 86 deg
     array([-0.998,  0.   , -0.067])
     """
-    if points < 2:
-        raise InputError(f"a path needs at least 2 points (got {points}); ask for more points")
-    bounds.check(points, bounds.POINTS, "the points of a path", "ask for fewer")
     s = np.linspace(*span, points)
     # NumPy's sinc has pi inside, and the value 1 at 0.
     sinc = np.sinc(s / np.pi)

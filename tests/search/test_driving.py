@@ -201,7 +201,6 @@ def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
 
 def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
     for options, said in (
-        ({"headings": 0}, "at least one heading"),
         ({"method": "guess"}, "unknown method 'guess'"),
         ({"speed": 1.0}, "need a speed, and a speed needs rates"),
         ({"rates": {"alpha": 1.0}, "speed": math.nan}, "speed must be above 0"),

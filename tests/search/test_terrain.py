@@ -159,8 +159,6 @@ def test_what_is_no_path_is_refused() -> None:
         with pytest.raises(InputError) as caught:
             along(**arguments)  # type: ignore[arg-type]
         assert said in str(caught.value)
-    with pytest.raises(InputError, match="at least 2 points"):
-        paper_path(1)
 
 
 # Files
