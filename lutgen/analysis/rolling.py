@@ -18,7 +18,6 @@ from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.sliding import first_tilts
 from lutgen.channels import checked_directions, evaluate
-from lutgen.errors import InputError
 from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
@@ -45,11 +44,6 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     `load_corners`), ``"some"`` has it.  Over a gap, where none balances, both are of the
     `normal_forces` that push.  1 without a rolling contact among the facet's, and on level ground.
     """
-    if loads not in ("every", "some"):
-        raise InputError(
-            f'the loads of a held share must be "every" or "some" (got {loads!r}); every is what '
-            "holds for certain"
-        )
     contacts = [posture.recipe.contacts[i] for i in facet.touching]
     level = float(np.linalg.norm(facet.along(direction))) < LEVEL
     if level or not any(one.rolling for one in contacts):
