@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.channels import evaluate_each
-from lutgen.chart import unit_directions
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -30,7 +29,8 @@ def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: Ar
     braking is backward, turning to the left is to the left.
     """
     rows = np.asarray(params, dtype=np.float64)
-    force, to = np.array(unit_directions(gravity)), unit_directions(direction)
+    both = np.array([gravity, direction], dtype=np.float64)
+    force, to = both / np.linalg.norm(both, axis=-1, keepdims=True)
     found, at = np.zeros(len(rows)), np.arange(len(rows))
     for _ in range(READS):
         tip = evaluate_each(recipe, rows[at], force[at], ("tip_angle",))["tip_angle"]
