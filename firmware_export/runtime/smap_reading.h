@@ -43,11 +43,26 @@ static int smap_is_in_gap(const smap_layout_t *at, const smap_region_t *o, const
   for (k = 0; k < at->gaps; k++) {
     const smap_gap_t *const gap = &at->gap[k];
     if (smap_dot(o->wall[gap->a], g) <= 0.0f && smap_dot(o->wall[gap->b], g) <= 0.0f &&
-        smap_dot(o->wall[gap->left], g) >= 0.0f && smap_dot(o->wall[gap->right], g) >= 0.0f) {
+        smap_dot(o->wall[gap->side], g) >= 0.0f && smap_dot(o->wall[gap->side + 1], g) >= 0.0f) {
       return 1;
     }
   }
   return 0;
+}
+
+/* How far (sine) a direction is beyond the nearer end of an arc, along its wall; 0 between them.  LARGEST behind it. */
+static float smap_beyond(const smap_region_t *o, const smap_arc_t *arc, const float g[3])
+{
+  const float *end = o->place[arc->from];
+  float along[3], most, after;
+  smap_cross(g, o->wall[arc->wall], along);
+  most = smap_dot(end, along);
+  after = -smap_dot(o->place[arc->to], along);
+  if (after > most) {
+    most = after;
+    end = o->place[arc->to];
+  }
+  return !(most > 0.0f) ? 0.0f : smap_dot(end, g) > 0.0f ? most : SMAP_LARGEST;
 }
 
 /* The distance (sine) of a direction from arcs, 1 where that is further than a right angle, and which is nearest.
@@ -58,8 +73,7 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
   float least = 1.0f;
   uint8_t k;
   for (k = from; k < till; k++) {
-    const float *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
-    float away = side * smap_dot(o->wall[at->arc[k].wall], g), aside, ahead;
+    float away = side * smap_dot(o->wall[at->arc[k].wall], g), beyond;
     if (!(away >= -SMAP_BEHIND) && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) {
       continue;
     }
@@ -67,12 +81,8 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
     if (!(away < least)) {
       continue;
     }
-    aside = smap_absolute(smap_dot(t, g));
-    ahead = smap_dot(m, g);
-    if (ahead < 0.0f && ahead * smap_dot(t, t) + aside * smap_dot(m, m) < 0.0f) {
-      continue; /* even the nearer end is behind */
-    }
-    away += aside > ahead ? (aside - ahead) * (aside - ahead) : 0.0f;
+    beyond = smap_beyond(o, &at->arc[k], g);
+    away += beyond * beyond;
     if (away < least) {
       least = away;
       *which = k;
