@@ -262,8 +262,9 @@ static int smap_check_many(const smap_t *map)
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC) && smap_check_axes(map) &&
-                 smap_check_positions(map, SMAP_BLOB(map) + map->size) && smap_check_many(map)
+  return smap_check_head(map, SMAP_CODEC) &&
+                 (SMAP_KNOWN || (smap_check_axes(map) && smap_check_positions(map, SMAP_BLOB(map) + map->size) &&
+                                 smap_check_many(map)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

@@ -70,8 +70,8 @@ typedef struct {
 } smap_work_t;
 
 /* How many there are: of its own map a compiler knows it. */
-#define SMAP_CONTACTS(w) SMAP_ROOM((w)->map->contacts, SMAP_MAX_CONTACTS - 2 * SMAP_PIVOTS)
-#define SMAP_TRACKS_OF(w) SMAP_ROOM((w)->map->tracks, SMAP_TRACKS)
+#define SMAP_CONTACTS(w) SMAP_GIVEN((w)->map->contacts, SMAP_MAX_CONTACTS - 2 * SMAP_PIVOTS)
+#define SMAP_TRACKS_OF(w) SMAP_GIVEN((w)->map->tracks, SMAP_TRACKS)
 
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
