@@ -220,7 +220,7 @@ static uint8_t smap_edge_of(const smap_facet_t *f, uint8_t i, uint8_t j)
 }
 
 /* Find a first facet: lower a level plane, tilt it towards the middle of all contacts onto a second one, and over both to
- * either side. */
+ * one side or the other. */
 static void smap_begin_search(smap_search_t *s)
 {
   const uint8_t contacts = SMAP_CONTACTS(s->w);
@@ -241,7 +241,9 @@ static void smap_begin_search(smap_search_t *s)
   }
   smap_cross(n, t, across);
   j = smap_tilt(s, i, SMAP_NONE, across, t, n);
-  for (way = 0; way < 2 && j != SMAP_NONE; way++) {
+  /* A rest on three has the edge between both, and leads to what is beyond it. */
+  for (way = 0; way < 2 && j != SMAP_NONE && !(s->facets > 0 && s->facet[0].first != SMAP_NONE &&
+                                                   s->facet[0].count == 3); way++) {
     float m[3] = {n[0], n[1], n[2]};
     (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
     smap_minus(s->there[way ? i : j], s->there[way ? j : i], b);
