@@ -63,10 +63,10 @@ static int smap_close(smap_work_t *w)
     }
     for (k = 0; k < at->gaps; k++) {
       const smap_gap_t *const gap = &at->gap[k];
-      const uint8_t p = gap->place;
+      const uint8_t p = gap->place, a = w->contact[gap->a], b = w->contact[gap->b];
       if (w->island[w->rest[gap->a]] == i) {
-        smap_add_arc(w, gap->side, p, (uint8_t)(p + 1u), w->contact[gap->a], w->contact[gap->a]);
-        smap_add_arc(w, (uint8_t)(gap->side + 1u), (uint8_t)(p + 3u), (uint8_t)(p + 2u), w->contact[gap->b], w->contact[gap->b]);
+        smap_add_arc(w, gap->side, p, (uint8_t)(p + 1u), a, a);
+        smap_add_arc(w, (uint8_t)(gap->side + 1u), (uint8_t)(p + 3u), (uint8_t)(p + 2u), b, b);
       }
     }
     for (r = i; r < at->rests; r++) {

@@ -123,7 +123,7 @@ static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c
   const uint8_t tracks = SMAP_TRACKS_OF(w);
   float level[SMAP_TRACKS], y[SMAP_TRACKS];
   uint8_t list[SMAP_TRACKS], n = 0, k;
-  for (k = 0; k < tracks; k++) {
+  for (k = 0; tracks > 2 && k < tracks; k++) { /* two always are */
     const uint8_t i = h->disc[k];
     const float high = smap_level(w, i, s, c) - (k > 0 && k + 1 < tracks ? SMAP_RECESS * w->map->size : 0.0f);
     while (n > 1 && (level[n - 1] - level[n - 2]) * (y[n - 1] - w->p[i][1]) <=
@@ -200,6 +200,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
 static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   const uint8_t tracks = SMAP_TRACKS_OF(w);
+  const float later = s + 1.5f * SMAP_UNITE * c;
   uint8_t k, left, any = 0;
   memcpy(h->was, h->on, sizeof h->was);
   memcpy(h->old, h->disc, sizeof h->old);
@@ -211,13 +212,10 @@ static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
       smap_next_bend(w, h, k, h->bend[k]);
     }
   }
-  if (tracks > 2) {
-    const float later = s + 1.5f * SMAP_UNITE * c;
-    smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
-    for (k = 1; k + 1 < tracks; k++) {
-      h->changed[k] = h->on[k] != h->was[k];
-      any |= h->changed[k];
-    }
+  smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
+  for (k = 1; k + 1 < tracks; k++) {
+    h->changed[k] = h->on[k] != h->was[k];
+    any |= h->changed[k];
   }
   return any;
 }
@@ -290,9 +288,7 @@ static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
     h->pend[k] = SMAP_NONE;
     smap_next_bend(w, h, k, early);
   }
-  if (SMAP_TRACKS_OF(w) > 2) {
-    smap_lay_hull(w, h, s, c);
-  }
+  smap_lay_hull(w, h, s, c);
   return s;
 }
 

@@ -29,7 +29,7 @@ typedef struct {
 enum { SMAP_OF_RESTS, SMAP_OF_CORNERS, SMAP_OF_GAPS, SMAP_OF_ARCS, SMAP_OF_FACETS, SMAP_ROOMS };
 
 typedef struct {
-  uint8_t a, b, side, place; /* its walls: those of its edges, which it is behind, and the first of two sides; of its places */
+  uint8_t a, b, side, place; /* walls of its edges, which it is behind, the first of two sides; the first of its places */
 } smap_gap_t;
 
 typedef struct {
@@ -62,7 +62,7 @@ typedef struct {
   float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
   uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls; how many there are */
   float normal[SMAP_MAX_RESTS][3];
-  uint8_t upto[SMAP_MAX_CORNERS], onward[SMAP_MAX_CORNERS]; /* of an edge what is boundary: up to one place, from one on */
+  uint8_t upto[SMAP_MAX_CORNERS], onward[SMAP_MAX_CORNERS]; /* an edge is boundary up to one place, and from one on */
   uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
   uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
   uint8_t facets; /* that were looked at */
