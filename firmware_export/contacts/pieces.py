@@ -142,7 +142,7 @@ def _cut(
         longest = 1
         for low, high in pairwise(knots):
             x = low + (chebyshev_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
-            found = np.tensordot(matrix, line(np.repeat(x, LINES, axis=1)), (1, 0))
+            found = np.tensordot(matrix, line(x), (1, 0))
             above = np.flatnonzero(np.abs(found).max(axis=(1, 2)) > ENDED * error)
             length = int(above[-1]) + 1 if len(above) else 1
             if length > MOST_LENGTH[box.k]:
@@ -152,14 +152,14 @@ def _cut(
             return knots, longest
         if len(knots) > MOST_PIECES:
             raise InputError(_too_many(error))
-        jump, where = find_jump(low, high, LINES, line)
+        jump, where = find_jump(low, high, line)
         if jump > JUMP * size:
             name = box.recipe.parameters[axis].name
             raise InputError(
                 f"its positions jump (by {jump:.3g} where {name} is {where:.6g}), which no table "
                 "may hold; let them be continuous, or use --codec grid"
             )
-        cut = float(np.float32(find_break(low, high, LINES, line)))
+        cut = float(np.float32(find_break(low, high, line)))
         if not low < cut < high:
             raise InputError(_too_many(error))
         knots = np.sort(np.append(knots, cut))
