@@ -4,7 +4,6 @@ The layout is that of runtime/smap_series.h.  Small terms are left out, and the 
 """
 
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -98,10 +97,10 @@ class Series:
 
 
 @lru_cache(maxsize=8)
-def series_of(model: Model, error: float) -> Series:
+def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
     """Return the smaller of the tables that are off by less than about `error` (length).
 
-    The contacts are in the recipe's order, see `ordered`.
+    `order` is that of the recipe's contacts in them.
 
     Raises
     ------
@@ -113,25 +112,11 @@ def series_of(model: Model, error: float) -> Series:
             f"the robot is given by code, whose positions are held as tables over at most "
             f"{MOST_PARAMETERS} parameters (got {model.k}); use --codec grid"
         )
-    plain = _tables(pieces_of(model, error, False), error, False)
+    plain = _tables(pieces_of(model, order, error, False), error, False)
     if not com_moves(model):
         return plain
-    shared = _tables(pieces_of(model, 0.5 * error, True), 0.5 * error, True)
+    shared = _tables(pieces_of(model, order, 0.5 * error, True), 0.5 * error, True)
     return min(plain, shared, key=lambda one: one.bytes)
-
-
-def ordered(series: Series, order: Sequence[int]) -> Series:
-    """Return the tables with the contacts in another order."""
-    first = int(series.common)
-    counts = [
-        math.prod(len(one) - 1 for j, one in enumerate(series.knots) if mask >> j & 1)
-        for mask in series.masks
-    ]
-    begins = [0, *itertools.accumulate(counts)]
-    groups = [*range(first), *(first + at for at in order)]
-    rows = [row for at in groups for row in series.rows[begins[at] : begins[at + 1]]]
-    masks = tuple(series.masks[at] for at in groups)
-    return Series(**{**vars(series), "masks": masks, "rows": tuple(rows)})
 
 
 def _shortened(values: Floats, budget: float) -> Floats:
