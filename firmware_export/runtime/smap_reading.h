@@ -51,18 +51,20 @@ static int smap_is_in_gap(const smap_layout_t *at, const smap_region_t *o, const
 }
 
 /* How far (sine) a direction is beyond the nearer end of an arc, along its wall; 0 between them.  LARGEST behind it. */
-static float smap_beyond(const smap_region_t *o, const smap_arc_t *arc, const float g[3])
+SMAP_INLINE float smap_beyond(const smap_region_t *o, const smap_arc_t *arc, const float g[3])
 {
-  const float *end = o->place[arc->from];
-  float along[3], most, after;
+  const float *const from = o->place[arc->from], *const to = o->place[arc->to];
+  float along[3], before, after;
   smap_cross(g, o->wall[arc->wall], along);
-  most = smap_dot(end, along);
-  after = -smap_dot(o->place[arc->to], along);
-  if (after > most) {
-    most = after;
-    end = o->place[arc->to];
+  before = smap_dot(from, along);
+  after = smap_dot(to, along);
+  if (before > 0.0f && smap_dot(from, g) > 0.0f) {
+    return before;
   }
-  return !(most > 0.0f) ? 0.0f : smap_dot(end, g) > 0.0f ? most : SMAP_LARGEST;
+  if (after < 0.0f && smap_dot(to, g) > 0.0f) {
+    return -after;
+  }
+  return before > 0.0f || after < 0.0f ? SMAP_LARGEST : 0.0f;
 }
 
 /* The distance (sine) of a direction from arcs, 1 where that is further than a right angle, and which is nearest.

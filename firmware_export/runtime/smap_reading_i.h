@@ -102,20 +102,20 @@ static int smap_is_in_gap_i(const smap_layout_t *at, const smap_region_i_t *o, c
 }
 
 /* As smap_beyond, and by a doubt more; |g| times the sine. */
-static int32_t smap_beyond_i(const smap_region_i_t *o, const smap_arc_t *arc, const int32_t g[3], int32_t doubt)
+SMAP_INLINE int32_t smap_beyond_i(const smap_region_i_t *o, const smap_arc_t *arc, const int32_t g[3], int32_t doubt)
 {
-  const int16_t *const m = o->wall[arc->wall], *end = o->place[arc->from];
+  const int16_t *const m = o->wall[arc->wall], *const from = o->place[arc->from], *const to = o->place[arc->to];
   const int32_t along[3] = {(int32_t)((uint32_t)(g[1] * m[2]) - (uint32_t)(g[2] * m[1])) >> 15,
                             (int32_t)((uint32_t)(g[2] * m[0]) - (uint32_t)(g[0] * m[2])) >> 15,
                             (int32_t)((uint32_t)(g[0] * m[1]) - (uint32_t)(g[1] * m[0])) >> 15};
-  const int32_t after = -(smap_dot_i(o->place[arc->to], along) >> 15);
-  int32_t most = smap_dot_i(end, along) >> 15;
-  if (after > most) {
-    most = after;
-    end = o->place[arc->to];
+  const int32_t before = (smap_dot_i(from, along) >> 15) + doubt, after = (smap_dot_i(to, along) >> 15) - doubt;
+  if (before > 0 && smap_dot_i(from, g) > 0) {
+    return before;
   }
-  most += doubt;
-  return most <= 0 ? 0 : smap_dot_i(end, g) > 0 ? most : 65535;
+  if (after < 0 && smap_dot_i(to, g) > 0) {
+    return -after;
+  }
+  return before > 0 || after < 0 ? 65535 : 0;
 }
 
 /* As smap_nearest; |g| times the sine, rounded down.  In doubt about an arc that is so short that it has no digits
