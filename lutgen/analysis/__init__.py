@@ -2,7 +2,7 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `stopping`, `balance`, `uneven`, `footing`.
+`budget`, `stopping`, `balance`, `uneven`, `footing`, `weighing`, `weighed_recipe`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
@@ -20,7 +20,7 @@ from lutgen.analysis.rolling import (
     rolling_gravity,
     rolls,
 )
-from lutgen.analysis.sliding import share_limits, slide_limits, slopes
+from lutgen.analysis.sliding import share_limits, slide_limits
 from lutgen.analysis.stopping import StopSpeeds, stop_speeds
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
@@ -34,50 +34,6 @@ from lutgen.analysis.tilt_table import (
     sweep_limits,
 )
 from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
+from lutgen.analysis.weighed_recipe import corrected, correction, correction_lines
+from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing, weigh
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
-
-__all__ = [
-    "FOUR",
-    "WORST",
-    "Diagnosis",
-    "Equilibrium",
-    "Facet",
-    "Footing",
-    "GroundTilt",
-    "Metrics",
-    "Motion",
-    "Posture",
-    "PostureLimits",
-    "StopSpeeds",
-    "SweepLimits",
-    "axis_force_angle",
-    "below_ground",
-    "budgets",
-    "compare_metrics",
-    "diagnose",
-    "equilibrium",
-    "even_headings",
-    "ground_tilt",
-    "heuristic_forces",
-    "hold_limits",
-    "holds",
-    "level_frames",
-    "may_hold",
-    "normal_forces",
-    "posture_limits",
-    "read_footing",
-    "roll_limits",
-    "rolling_gravity",
-    "rolls",
-    "rounded_down",
-    "share_limits",
-    "slide_limits",
-    "slopes",
-    "stop_speeds",
-    "structure",
-    "sweep_limits",
-    "tilt_limits",
-    "tilted",
-    "turn_speed",
-    "wheel_speeds",
-]

@@ -5,5 +5,3 @@ In reading order: `options`, `output`, `recipes`, `import_`, `sweep`, `eval`, `l
 """
 
 from lutgen.cli.group import main
-
-__all__ = ["main"]

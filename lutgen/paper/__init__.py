@@ -4,5 +4,3 @@ In reading order: `model`, `simulations`, `figures`, `tables`, `report`.
 """
 
 from lutgen.paper.report import write_report
-
-__all__ = ["write_report"]

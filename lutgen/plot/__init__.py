@@ -14,18 +14,3 @@ from lutgen.plot.steps import draw_steps
 from lutgen.plot.style import save
 from lutgen.plot.tilt import draw_limits
 from lutgen.plot.uneven import draw_footing
-
-__all__ = [
-    "KINDS",
-    "STYLES",
-    "animate",
-    "check_animation",
-    "draw",
-    "draw_footing",
-    "draw_hero",
-    "draw_limits",
-    "draw_path",
-    "draw_steps",
-    "on_sheet",
-    "save",
-]

@@ -8,17 +8,3 @@ from lutgen.search.objective import Objective
 from lutgen.search.optima import Optimum, optimum
 from lutgen.search.terrain import Path, paper_path, turned
 from lutgen.search.terrain_csv import check_columns, read_path, read_rows
-
-__all__ = [
-    "Drive",
-    "Objective",
-    "Optimum",
-    "Path",
-    "check_columns",
-    "drive",
-    "optimum",
-    "paper_path",
-    "read_path",
-    "read_rows",
-    "turned",
-]

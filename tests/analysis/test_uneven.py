@@ -238,16 +238,16 @@ def test_turning_scaling_and_renaming_change_nothing(seed: int) -> None:
 def test_what_is_wrong_is_said_in_one_sentence() -> None:
     good = {"points": SQUARE, "normals": FLAT, "friction": 0.5, "com": [0, 0, 1]}
     for name, value, said in (
-        ("points", np.empty((0, 3)), "points must have the shape (n, 3) with n >= 1"),
+        ("points", np.empty((0, 3)), "points must have the shape (0, 3), with a contact"),
         ("points", [[1.0, 2.0], [3.0]], "points must be numbers in rows of equal length"),
         ("points", np.full((4, 3), 1e200), "points must be finite, and below 1e+100"),
-        ("normals", FLAT[:3], "normals must have the shape of points"),
+        ("normals", FLAT[:3], "normals must have the shape (4, 3)"),
         ("normals", np.zeros((4, 3)), "direction"),
         ("friction", -0.1, "friction must be one number from 0 to 1e"),
         ("friction", 1e9, "friction must be one number from 0 to 1e"),
         ("friction", [0.5, 0.5], "friction must be one number from 0 to 1e"),
         ("friction", math.nan, "friction must be finite"),
-        ("com", [0.0, 1.0], "com must be three numbers"),
+        ("com", [0.0, 1.0], "com must have the shape (3,)"),
         ("gravity_dir", [0.0, 0.0, 0.0], "direction"),
     ):
         with pytest.raises(InputError, match="got") as caught:

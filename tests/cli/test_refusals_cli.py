@@ -124,7 +124,7 @@ REFUSED = """
 2 | limits tripod.toml --best --headings 100000000 | beyond the limit of 36,000 headings
 2 | limits tripod.toml -o limits.gif | unknown kind of picture
 2 | limits tripod.toml -o missing/limits.png | cannot be written
-2 | metrics tripod.toml --tilt 181 | --tilt must lie between 0 and 180 deg
+2 | metrics tripod.toml --tilt 181 | 181 is not in the range: at least 0 and at most 180
 2 | metrics tripod.toml --tilt nan | up to 1e12
 2 | metrics tripod.toml --headings 1000000000 | is not in the range: at least 1 and at most 36,000
 2 | stance bare.toml | bare.toml: key `foot`: is missing
@@ -148,9 +148,8 @@ REFUSED = """
 2 | wheels two.toml --yaw-rate fast | 'fast' is no number of plain digits up to 1e12
 2 | wheels two.toml -g 0,0,1 | no support facet under this gravity
 2 | wheels tripod.toml | the robot has no wheels (got no [[robot.wheel]]); add one
-2 | path two.toml --points 1 | at least 2 points
-2 | path two.toml --points 1000000000 | 200,000 points of a path
-2 | path two.toml --headings 1000000000 | 36,000 headings
+2 | path two.toml --points 1 | 1 is not in the range: at least 2 and at most 200,000
+2 | path two.toml --headings 1000000000 | at least 1 and at most 36,000
 2 | path two.toml --terrain none.csv | none.csv: cannot be read
 2 | path two.toml --terrain none.csv --points 5 | leave it out
 2 | path two.toml --terrain odd.csv | line 1 names no column x (got x;y;z)
@@ -158,7 +157,7 @@ REFUSED = """
 2 | path two.toml --rate alpha=1 --rate alpha=2 --speed 1 | given twice
 2 | path two.toml --rate beta=1 --speed 1 | there is no parameter 'beta' (got --rate beta=1)
 2 | path two.toml --no-control --speed 1 | a shape that does not change has no rates
-2 | path two.toml --lag -1 | got lag -1
+2 | path two.toml --lag -1 | -1 is not in the range: at least 0
 2 | path two.toml --points 3 -o missing/run.csv | cannot be written
 2 | path fixed.toml | --no-control
 2 | budget two.toml --slope 30:0:5 | --slope: at most 200 slopes FROM:TO:STEP from 0 to 80 deg
@@ -167,7 +166,7 @@ REFUSED = """
 2 | budget two.toml --steps 1 | 1 is not in the range: at least 2 and at most 200
 2 | budget two.toml --reads 0 | 0 is not in the range: at least 1 and at most 32
 2 | budget two.toml --turn -1 | --turn
-2 | budget two.toml --bump -1 | --bump: a height of 0 m or more (got -1)
+2 | budget two.toml --bump -1 | -1 is not in the range: at least 0
 2 | budget two.toml --headings 5 | the number of headings must be a multiple of 4 (got 5)
 2 | control folder.toml | no folder of `lutgen export`
 2 | control firmware | without a policy
@@ -188,6 +187,7 @@ REFUSED = """
 2 | export half.h5 -o out | half.h5
 2 | export none.h5 -o text.h5 | is no folder
 2 | export none.h5 -o folder.toml/.. | 'above.toml'
+2 | policy two.toml -o out --nodes 1 | 1 is not in the range: at least 2 and at most 65
 2 | policy two.toml -o out --rate beta=1 | there is no parameter 'beta' (got --rate beta=1)
 2 | import none.urdf -o a.toml | there is no such file
 2 | import rover.urdf -o rover.urdf | end it in .toml

@@ -170,5 +170,5 @@ def test_a_folder_with_damaged_tables_or_without_any_is_refused(folder):
             ExportFolder(folder)
     del report["tables"]
     (folder / "feet_report.json").write_text(json.dumps(report))
-    with pytest.raises(InputError, match="its report holds no tables to ask"):
+    with pytest.raises(InputError, match="the tables of its report are damaged"):
         ExportFolder(folder)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lutgen.rotation import angles, axis_rotation, rotation
+from lutgen.vector import angles, axis_rotation, rotation
 
 
 def test_roll_comes_first_and_yaw_last_about_fixed_axes():
