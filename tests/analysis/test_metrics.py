@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from lutgen.analysis.metrics import METRICS, compare_metrics
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe
 from tests.fixtures.commands import run
 from tests.fixtures.recipes import feet, rigid
 
@@ -22,12 +20,12 @@ HEADINGS = np.radians(np.arange(0.0, 360.0, 5.0))
 
 
 @pytest.fixture(scope="module")
-def table() -> Recipe:
+def table():
     """Return the table."""
     return lutgen.parse_recipe(TABLE)
 
 
-def test_each_is_divided_by_its_value_on_level_ground(table: Recipe) -> None:
+def test_each_is_divided_by_its_value_on_level_ground(table):
     found = compare_metrics(Posture(table, []), tilted(math.radians(20.0), [math.pi / 2.0]))
     level = math.atan(0.6)
     # To the left, across a level axis 0.6 away and 1 below.
@@ -54,7 +52,7 @@ def test_each_is_divided_by_its_value_on_level_ground(table: Recipe) -> None:
     assert found.values["force_angle"] == pytest.approx(product, abs=1e-14)
 
 
-def test_four_change_sign_with_the_verdict_and_sdg_never_later(table: Recipe) -> None:
+def test_four_change_sign_with_the_verdict_and_sdg_never_later(table):
     for tilt in np.radians([25.0, 33.0, 44.0]):
         found = compare_metrics(Posture(table, []), tilted(tilt, HEADINGS))
         for name in ("tip_angle", "margin", "energy_margin", "force_angle"):
@@ -65,7 +63,7 @@ def test_four_change_sign_with_the_verdict_and_sdg_never_later(table: Recipe) ->
     assert sdg[0] < 0.0 < found.values["tip_angle"][0]
 
 
-def test_a_posture_that_does_not_stand_on_level_ground_is_refused() -> None:
+def test_a_posture_that_does_not_stand_on_level_ground_is_refused():
     aside = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)])))
     with pytest.raises(
         InputError, match=r"does not stand or cannot tip \(got a tip angle of -24.1 deg"
@@ -76,9 +74,7 @@ def test_a_posture_that_does_not_stand_on_level_ground_is_refused() -> None:
 # The command
 
 
-def test_the_command_prints_one_row_per_heading_and_json_with_null_for_no_value(
-    tmp_path: Path,
-) -> None:
+def test_the_command_prints_one_row_per_heading_and_json_with_null_for_no_value(tmp_path):
     file = tmp_path / "table.toml"
     file.write_text(TABLE)
     asked = ("metrics", file, "--tilt", 33, "--headings", 4)

@@ -11,14 +11,14 @@ from tests.fixtures.pulled import BOX, LEVEL, moving, pull, robot
 from tests.fixtures.recipes import feet, tripod
 
 
-def test_the_slope_is_that_of_the_resultant() -> None:
+def test_the_slope_is_that_of_the_resultant():
     params, g = moving().home_params, moving().chart.directions().reshape(-1, 3)[24]
     found, alone = (diagnose(Posture(one, params), g) for one in (moving(), parse_recipe(tripod())))
     # About 10 N across 64 N.
     assert abs(found.slope - alone.slope) > 0.02
 
 
-def test_what_knows_the_weight_alone_refuses_forces() -> None:
+def test_what_knows_the_weight_alone_refuses_forces():
     pulled, uncertain = robot(feet(BOX), pull((5, 0, 0))), robot(feet(BOX), rho=0.01)
     with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
         compare_metrics(Posture(pulled, []), LEVEL)

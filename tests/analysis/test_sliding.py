@@ -2,7 +2,6 @@
 
 import math
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -13,7 +12,6 @@ from lutgen.analysis.posture import Posture
 from lutgen.analysis.sliding import first_tilts, slide_limits
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
 from tests.fixtures.pulled import moving
 from tests.fixtures.recipes import feet, rigid, rover
@@ -21,14 +19,14 @@ from tests.fixtures.recipes import feet, rigid, rover
 SQUARE = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
 
 
-def table(friction: float | None, rise: float = 0.0) -> Recipe:
+def table(friction, rise=0.0):
     """Return a table, 2 x 2 and 1 high, on ground that rises ahead by `rise` in the body frame."""
     places = [(x, y, -1.0 + rise * x) for x, y in SQUARE]
     head = "" if friction is None else f"friction = {friction}"
     return lutgen.parse_recipe(rigid(feet(places), name="table", head=head))
 
 
-def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -> None:
+def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction():
     headings = np.radians(np.arange(0.0, 360.0, 7.0))
     for mu in (0.05, 0.5, 0.9):
         limits = slide_limits(Posture(table(mu), []), headings)
@@ -37,7 +35,7 @@ def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -
         slide_limits(Posture(table(None), []), headings)
 
 
-def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
+def test_a_facet_that_is_not_level_shifts_the_limit():
     # The ground rises by 0.2 ahead: with its nose down by atan 0.2 the robot is on level ground.
     recipe, rise = table(0.5, 0.2), math.atan(0.2)
     limits = slide_limits(Posture(recipe, []), np.radians([0.0, 180.0]))
@@ -46,7 +44,7 @@ def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
     assert slide_limits(Posture(table(0.1, 0.2), []), [0.0, math.pi]).tolist() == [0.0, 0.0]
 
 
-def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces() -> None:
+def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces():
     rng = np.random.default_rng(2)
     warped = [(x, y, -1.0 + 0.2 * rng.normal()) for x, y in SQUARE]
     cases = [
@@ -66,7 +64,7 @@ def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces() 
         assert np.isfinite(limits).sum() > 0
 
 
-def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards() -> None:
+def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards():
     absolem = lutgen.load_recipe(MAPS / "absolem.toml")
     level, lifted = (Posture(absolem, np.radians(angles)) for angles in ([0.0, 0.0], [-60.0, 0.0]))
     slope = diagnose(lifted, [0.0, 0.0, -1.0]).slope
@@ -77,17 +75,17 @@ def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards() -> None:
     assert abs(back - math.atan(0.8)) == pytest.approx(slope, abs=1e-9)
 
 
-def test_a_robot_without_support_slides_on_nothing() -> None:
+def test_a_robot_without_support_slides_on_nothing():
     line = rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)]), head="friction = 0.5")
     assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
 
 
-def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips() -> None:
+def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips():
     # It tips at 45 deg straight ahead.
     posture, headings = Posture(table(None), []), np.zeros(2)
     for bound, expected in ((0.3, 0.3), (0.79, math.nan)):
 
-        def steep(down: np.ndarray, bound: float = bound) -> np.ndarray:
+        def steep(down, bound=bound):
             return np.arccos(-down[:, 2]) >= bound
 
         found = first_tilts(posture, steep, headings)
@@ -97,13 +95,13 @@ def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips() -> 
 # Figures
 
 
-def sliding(figure: mpl.figure.Figure) -> list[mpl.lines.Line2D]:
+def sliding(figure):
     """Return the lines of a chart that are called sliding."""
     lines = figure.axes[0].get_lines()
     return [line for line in lines if str(line.get_label()).startswith("slides")]
 
 
-def test_polar_draws_the_sliding_limit_where_the_robot_still_stands() -> None:
+def test_polar_draws_the_sliding_limit_where_the_robot_still_stands():
     (line,) = sliding(plot.draw("polar", table(0.8)))
     radius = np.hypot(*(np.asarray(part) for part in line.get_data()))
     # It tips at 45 deg straight ahead and at more towards a corner: it slides first at 38.7.
@@ -113,7 +111,7 @@ def test_polar_draws_the_sliding_limit_where_the_robot_still_stands() -> None:
         assert not sliding(plot.draw("polar", table(friction)))
 
 
-def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it() -> None:
+def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it():
     text = (MAPS / "paper_one.toml").read_text(encoding="utf-8")
     low = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.2", 1))
     headings = np.linspace(0.0, 6.0, 9)

@@ -2,7 +2,6 @@
 
 import math
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,13 +18,11 @@ LEVEL = np.array([0.0, 0.0, -1.0])
 SIDE, LEAN = math.hypot(Y, Z), math.atan2(Y, Z)  # from the com to the nearer edge
 
 
-def box(scale: float = 1.0, **more: str) -> Posture:
+def box(scale=1.0, **more):
     return Posture(lutgen.parse_recipe(rigid(feet(scale * CORNERS), **more)), [])
 
 
-def speeds(
-    down: np.ndarray = LEVEL, bump: float = 0.0, degrees: float = 0.0
-) -> tuple[float, float]:
+def speeds(down=LEVEL, bump=0.0, degrees=0.0):
     found = stop_speeds(box(), down, np.radians([degrees]), bump)
     return float(found.all_at_once[0]), found.anyhow
 
@@ -40,14 +37,12 @@ def speeds(
         (math.degrees(math.atan2(Y, X)), Z * Z / (X * X + Y * Y + Z * Z)),
     ],
 )
-def test_what_a_stop_leaves_lifts_the_com_to_the_least_edge_and_no_further(
-    degrees: float, kept: float
-) -> None:
+def test_what_a_stop_leaves_lifts_the_com_to_the_least_edge_and_no_further(degrees, kept):
     whole = math.sqrt(2.0 * G * (SIDE - Z))
     assert speeds(degrees=degrees) == pytest.approx((whole / math.sqrt(kept), whole), rel=1e-9)
 
 
-def test_a_slope_and_a_bump_leave_what_the_com_has_yet_to_rise() -> None:
+def test_a_slope_and_a_bump_leave_what_the_com_has_yet_to_rise():
     t = math.radians(10.0)
     down = np.array([0.0, math.sin(t), -math.cos(t)])  # left side down
     # What it sinks on its way back over an edge of 10 deg less of a slope of 10 deg.
@@ -61,14 +56,14 @@ def test_a_slope_and_a_bump_leave_what_the_com_has_yet_to_rise() -> None:
     assert speeds(bump=0.3) == speeds(bump=1.0) == speeds(np.array([0.0, 1.0, -1.0])) == (0.0, 0.0)
 
 
-def test_units_count_and_what_is_not_known_is_no_number() -> None:
+def test_units_count_and_what_is_not_known_is_no_number():
     for unit, scale in (("mm", 1000.0), ("cm", 100.0)):
         found = stop_speeds(box(scale, unit=unit), LEVEL, [0.0]).anyhow
         assert found == pytest.approx(speeds()[1])
     assert math.isnan(stop_speeds(box(unit="1"), LEVEL, [0.0]).anyhow)
 
 
-def test_the_c_is_never_above_and_little_below_where_an_edge_is_near(tmp_path: Path) -> None:
+def test_the_c_is_never_above_and_little_below_where_an_edge_is_near(tmp_path):
     (tmp_path / "stop.c").write_text(
         '#include "smap.h"\n#include <stdio.h>\nint main(void)\n{\n  smap_reading_t r;\n'
         "  float h, t;\n  int gaps;\n"

@@ -13,7 +13,7 @@ from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
 from lutgen.channels.evaluation import evaluate_each
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe, parse_recipe
+from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, rover, tripod, without_limits
@@ -29,7 +29,7 @@ CUBE = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)
 CONVENTIONS = ("body", "plane")
 
 
-def box(head: str = "friction = 0.7", unit: str = "m", scale: float = 1.0) -> Recipe:
+def box(head="friction = 0.7", unit="m", scale=1.0):
     """Return a rigid box on four feet."""
     corners = [[scale * x for x in corner] for corner in CORNERS]
     return parse_recipe(rigid(feet(corners), head=head, unit=unit))
@@ -38,7 +38,7 @@ def box(head: str = "friction = 0.7", unit: str = "m", scale: float = 1.0) -> Re
 @pytest.mark.parametrize(
     ("convention", "unit", "scale"), [("body", "m", 1.0), ("plane", "mm", 1000.0)]
 )
-def test_a_box_tips_where_its_com_passes_the_edge(convention: str, unit: str, scale: float) -> None:
+def test_a_box_tips_where_its_com_passes_the_edge(convention, unit, scale):
     found = posture_limits(Posture(box(unit=unit, scale=scale), []), convention)
     reaches = {
         "nose down": (AHEAD, {"P1", "P4"}),
@@ -60,8 +60,8 @@ def test_a_box_tips_where_its_com_passes_the_edge(convention: str, unit: str, sc
     assert found.worst.slides is False
 
 
-def test_the_worst_heading_points_at_the_nearest_edge_or_of_equal_ones_nearest_the_nose() -> None:
-    def worst(corners: list[tuple[float, float, float]]) -> float:
+def test_the_worst_heading_points_at_the_nearest_edge_or_of_equal_ones_nearest_the_nose():
+    def worst(corners):
         return worst_heading(Posture(parse_recipe(rigid(feet(corners))), []))
 
     # The circle of headings is divided until its pieces are 1e-6 rad.
@@ -77,7 +77,7 @@ def test_the_worst_heading_points_at_the_nearest_edge_or_of_equal_ones_nearest_t
     assert worst(diamond) == pytest.approx(math.pi / 4.0, abs=1e-6)
 
 
-def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> None:
+def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis():
     above = parse_recipe(rigid(feet([(x, y, -z) for x, y, z in CORNERS]), head="friction = 0.7"))
     found = posture_limits(Posture(above, []))
     assert found.guaranteed == 0.0
@@ -91,7 +91,7 @@ def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> No
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(convention: str) -> None:
+def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(convention):
     random, fine, standing = np.random.default_rng(11), np.linspace(-math.pi, math.pi, 481), 0
     for robot in (parse_recipe(rover()), lutgen.load_recipe(MAPS / "absolem.toml")):
         low, high = ([getattr(p, end) for p in robot.parameters] for end in ("minimum", "maximum"))
@@ -106,7 +106,7 @@ def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(convention: str) -> 
     assert standing >= 3
 
 
-def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
+def test_the_ground_is_tilted_from_where_the_posture_stands_on_it():
     one = lutgen.load_recipe(MAPS / "paper_one.toml")
     posture = np.array([0.75])
     facet = diagnose(Posture(one, posture), [0.0, 0.0, -1.0]).facet
@@ -126,7 +126,7 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
 
 
 @pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "discs with gaps"])
-def test_limits_over_all_postures_are_those_of_a_double_loop(text: str) -> None:
+def test_limits_over_all_postures_are_those_of_a_double_loop(text):
     robot, headings = parse_recipe(text), even_headings(4)
     rows = robot.grid.params(np.arange(robot.grid.size))
     found = sweep_limits(robot, rows, headings)
@@ -149,7 +149,7 @@ def test_limits_over_all_postures_are_those_of_a_double_loop(text: str) -> None:
     assert (found.weakest, found.strongest) == (int(np.argmin(alone)), int(np.argmax(alone)))
 
 
-def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused() -> None:
+def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused():
     np.testing.assert_allclose(even_headings(8)[::2], np.radians([0.0, 90.0, 180.0, 270.0]))
     for count in (0, -4, 6, 7):
         with pytest.raises(InputError, match="multiple of 4"):

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from lutgen.analysis import Equilibrium, equilibrium
+from lutgen.analysis import equilibrium
 from lutgen.errors import InputError
 from tests.fixtures.length import part
-
-Floats = NDArray[np.float64]
 
 DOWN = np.array([0.0, 0.0, -1.0])
 SQUARE = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]])
@@ -24,7 +21,7 @@ DITCH = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
 EXACT = 1e-6
 
 
-def scene(seed: int, feet: int) -> tuple[Floats, Floats, Floats, Floats]:
+def scene(seed, feet):
     """Return points, normals (up to about 60 deg steep), friction and a com at random."""
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(feet, 3)) * [1.0, 1.0, 0.4]
@@ -34,13 +31,13 @@ def scene(seed: int, feet: int) -> tuple[Floats, Floats, Floats, Floats]:
     return points, normals, rng.uniform(0.1, 0.9, feet), com
 
 
-def same_set(a: Floats, b: Floats, tolerance: float) -> bool:
+def same_set(a, b, tolerance):
     """Tell whether two sets of corners are the same, in any order."""
     apart = np.linalg.norm(a[:, None] - b[None], axis=2)
     return len(a) == len(b) and bool((apart.min(axis=1) < tolerance).all())
 
 
-def faults(points: Floats, normals: Floats, mu: Floats, com: Floats, found: Equilibrium) -> float:
+def faults(points, normals, mu, com, found):
     """Return by how much the forces miss the weight, its moment, or a cone."""
     forces = found.forces
     assert forces is not None
@@ -57,7 +54,7 @@ def faults(points: Floats, normals: Floats, mu: Floats, com: Floats, found: Equi
     )
 
 
-def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width() -> None:
+def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width():
     # Of a foot on a 45 deg wall with mu = 1/2, the cone in the ditch's plane has the edges
     # (1, 1) + (1, -1) / 2 = (3, 1) / 2 and (1, 1) - (1, -1) / 2 = (1, 3) / 2: a force (H, V)
     # towards the middle has H / 3 <= V <= 3 H.  Both feet push with the same H, and V + V' = 1.
@@ -74,7 +71,7 @@ def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width() -> None
         assert equilibrium(DITCH, WALLS, 0.5, [0.0, 0.01, height]).holds is False
 
 
-def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane() -> None:
+def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane():
     rng = np.random.default_rng(3)
     feet = np.vstack([SQUARE, [[0.2, 0.1, 0.0]]])
     seen = set()
@@ -116,7 +113,7 @@ def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane() -> None:
     assert (steep.holds, len(steep.region), steep.margin) == (False, 0, -math.inf)
 
 
-def test_one_foot_holds_a_com_above_it_and_none_beside_it() -> None:
+def test_one_foot_holds_a_com_above_it_and_none_beside_it():
     above = equilibrium([[3.0, 1.0, 0.0]], [[0.0, 0.1, 1.0]], 0.5, [3.0, 1.0, 2.0])
     assert above.holds is True
     assert above.forces == pytest.approx(np.array([[0.0, 0.0, 1.0]]), abs=1e-7)
@@ -129,7 +126,7 @@ def test_one_foot_holds_a_com_above_it_and_none_beside_it() -> None:
     assert equilibrium([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 0.5, [0.0, 0.0, 0.0]).holds is True
 
 
-def test_on_level_treads_of_a_stair_no_friction_is_needed_between_the_feet() -> None:
+def test_on_level_treads_of_a_stair_no_friction_is_needed_between_the_feet():
     feet, level = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.7]], [[0.0, 0.0, 1.0]] * 2
     for x in (-0.01, 0.0, 0.4, 1.0, 1.01):
         found = equilibrium(feet, level, 0.0, [x, 0.0, 2.0])
@@ -140,7 +137,7 @@ def test_on_level_treads_of_a_stair_no_friction_is_needed_between_the_feet() -> 
             assert found.forces[:, 2] == pytest.approx([1.0 - x, x], abs=1e-6)
 
 
-def nearest(points: Floats, normals: Floats, mu: Floats, com: Floats) -> tuple[Floats, Floats]:
+def nearest(points, normals, mu, com):
     """Return forces (n, 3) in the cones, and the least wrench (6,) that is missing.
 
     By projections onto the cones, accelerated (Beck and Teboulle, 2009): no pyramids, no
@@ -170,7 +167,7 @@ def nearest(points: Floats, normals: Floats, mu: Floats, com: Floats) -> tuple[F
     return forces, goal - rows @ forces.ravel()
 
 
-def test_an_oracle_of_round_cones_agrees_where_it_can_tell() -> None:
+def test_an_oracle_of_round_cones_agrees_where_it_can_tell():
     told = {True: 0, False: 0}
     undecided = 0
     for seed in range(part(30)):
@@ -188,7 +185,7 @@ def test_an_oracle_of_round_cones_agrees_where_it_can_tell() -> None:
     assert min(told.values()) >= part(30) // 5
 
 
-def test_forces_balance_the_weight_within_their_cones_and_the_regions_corners_hold() -> None:
+def test_forces_balance_the_weight_within_their_cones_and_the_regions_corners_hold():
     for seed in range(part(3, 3)):
         points, normals, mu, _ = scene(seed, 4)
         region = equilibrium(points, normals, mu, [0.0, 0.0, 1.0]).region
@@ -212,7 +209,7 @@ def test_forces_balance_the_weight_within_their_cones_and_the_regions_corners_ho
 
 @settings(max_examples=part(40, 8))
 @given(seed=st.integers(0, 10_000))
-def test_turning_scaling_and_renaming_change_nothing(seed: int) -> None:
+def test_turning_scaling_and_renaming_change_nothing(seed):
     rng = np.random.default_rng(seed)
     points, normals, mu, com = scene(seed, int(rng.integers(1, 4)))
     turn = Rotation.random(random_state=seed).as_matrix()
@@ -235,7 +232,7 @@ def test_turning_scaling_and_renaming_change_nothing(seed: int) -> None:
             assert after.margin == before.margin
 
 
-def test_what_is_wrong_is_said_in_one_sentence() -> None:
+def test_what_is_wrong_is_said_in_one_sentence():
     good = {"points": SQUARE, "normals": FLAT, "friction": 0.5, "com": [0, 0, 1]}
     for name, value, said in (
         ("points", np.empty((0, 3)), "points must have the shape (0, 3), with a contact"),
@@ -251,12 +248,12 @@ def test_what_is_wrong_is_said_in_one_sentence() -> None:
         ("gravity_dir", [0.0, 0.0, 0.0], "direction"),
     ):
         with pytest.raises(InputError, match="got") as caught:
-            equilibrium(**(good | {name: value}))  # type: ignore[arg-type]
+            equilibrium(**(good | {name: value}))
         assert said in str(caught.value)
         assert "\n" not in str(caught.value)
 
 
-def test_a_com_that_is_held_far_beyond_the_search_has_no_boundary_near() -> None:
+def test_a_com_that_is_held_far_beyond_the_search_has_no_boundary_near():
     # Feet pressed between two walls, friction above 1: they hold any arm.
     points = [[-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]
     walls = [[1, 0, 0], [1, 0, 0], [-1, 0, 0], [-1, 0, 0]]

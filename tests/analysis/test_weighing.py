@@ -10,7 +10,7 @@ from lutgen.analysis import Posture, tilt_limits, tilted
 from lutgen.analysis.weighed_recipe import corrected
 from lutgen.analysis.weighing import Tipping, Weighing, weigh
 from lutgen.errors import InputError, RecipeError
-from lutgen.recipe import Recipe, forward, parse_recipe
+from lutgen.recipe import forward, parse_recipe
 
 CORNERS = {"fl": (0.5, 0.4), "fr": (0.5, -0.4), "rl": (-0.5, 0.4), "rr": (-0.5, -0.4)}
 SHIFT = np.array([0.03, -0.02, 0.05])
@@ -18,7 +18,7 @@ SHIFT = np.array([0.03, -0.02, 0.05])
 LEVEL, SLOPED = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], [(0.1, 0.2, 0.7)]
 
 
-def cart(mass: float, com: tuple[float, float, float]) -> Recipe:
+def cart(mass, com):
     """Return a cart with a load that is lifted forward; its masses are in the ratio of 5 to 1."""
     contacts = "".join(
         f'[[robot.contact]]\nname = "{name}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
@@ -38,10 +38,10 @@ def cart(mass: float, com: tuple[float, float, float]) -> Recipe:
 
 MODEL = cart(12.0, (0.0, 0.0, 0.1))
 # The body carries 5/6 of the mass, so that its com moves that of all by SHIFT.
-TRUE = cart(14.4, tuple(np.array([0.0, 0.0, 0.1]) + 1.2 * SHIFT))  # type: ignore[arg-type]
+TRUE = cart(14.4, tuple(np.array([0.0, 0.0, 0.1]) + 1.2 * SHIFT))
 
 
-def loads(lift: float, slope: float, heading: float) -> dict[tuple[str, ...], float]:
+def loads(lift, slope, heading):
     """Return the loads (kg) of the true cart on a slope, of many one that friction balances.
 
     All forces on the body are added up about its com; each foot's friction is uphill and
@@ -59,11 +59,11 @@ def loads(lift: float, slope: float, heading: float) -> dict[tuple[str, ...], fl
     return {(name,): float(load) for name, load in zip(CORNERS, found, strict=True)}
 
 
-def weighed(*poses: tuple[float, float, float], accuracy: float = 0.01) -> list[Weighing]:
+def weighed(*poses, accuracy=0.01):
     return [Weighing((q,), loads(q, s, h), accuracy, s, h) for q, s, h in poses]
 
 
-def test_exact_scales_on_a_slope_give_the_mass_and_all_of_the_com() -> None:
+def test_exact_scales_on_a_slope_give_the_mass_and_all_of_the_com():
     found = weigh(MODEL, weighed(*LEVEL, *SLOPED))
     assert found.mass == pytest.approx(14.4, abs=1e-12)
     np.testing.assert_allclose(found.com_shift, SHIFT, atol=1e-12)
@@ -71,7 +71,7 @@ def test_exact_scales_on_a_slope_give_the_mass_and_all_of_the_com() -> None:
     assert 0.0 < found.spread < 0.01
 
 
-def test_level_scales_leave_the_height_open_and_a_slope_is_advised() -> None:
+def test_level_scales_leave_the_height_open_and_a_slope_is_advised():
     found = weigh(MODEL, weighed(*LEVEL))
     np.testing.assert_allclose(found.com_shift, [*SHIFT[:2], 0.0], atol=1e-12)
     assert np.isinf(found.com_std).tolist() == [False, False, True]
@@ -82,7 +82,7 @@ def test_level_scales_leave_the_height_open_and_a_slope_is_advised() -> None:
     assert weigh(MODEL, after).spread == pytest.approx(found.advice.com_std, rel=0.05)
 
 
-def test_scales_under_the_axles_tell_nothing_across() -> None:
+def test_scales_under_the_axles_tell_nothing_across():
     both = [
         Weighing(
             one.params,
@@ -102,7 +102,7 @@ def test_scales_under_the_axles_tell_nothing_across() -> None:
     assert np.isinf(found.com_std).tolist() == [False, True, True]
 
 
-def test_slopes_at_which_it_begins_to_tip_give_the_height() -> None:
+def test_slopes_at_which_it_begins_to_tip_give_the_height():
     headings = np.array([0.0, 1.57, 3.1, -1.6])
     slopes = tilt_limits(TRUE, [0.1], headings, "plane")
     tips = [
@@ -116,7 +116,7 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height() -> None:
     assert math.isinf(alone.mass_std)
 
 
-def test_of_noisy_weighings_two_deviations_hold_in_19_of_20() -> None:
+def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():
     rng, inside, draws = np.random.default_rng(5), 0, 60
     exact = weighed(*LEVEL, *SLOPED, accuracy=0.1)
     for _ in range(draws):
@@ -137,13 +137,13 @@ def test_of_noisy_weighings_two_deviations_hold_in_19_of_20() -> None:
     assert 0.87 * draws <= inside < draws
 
 
-def test_a_reading_that_contradicts_the_others_makes_deviations_larger() -> None:
+def test_a_reading_that_contradicts_the_others_makes_deviations_larger():
     good = weighed(*LEVEL, *SLOPED)
     bad = [*good[1:], Weighing((0.0,), {**good[0].loads, ("fl",): 9.0}, 0.01)]
     assert weigh(MODEL, bad).spread > 10.0 * weigh(MODEL, good).spread
 
 
-def test_the_corrected_recipe_is_the_robot_that_was_weighed() -> None:
+def test_the_corrected_recipe_is_the_robot_that_was_weighed():
     text = corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED)))
     assert "# a cart" in text
     robot = parse_recipe(text)
@@ -159,7 +159,7 @@ def test_the_corrected_recipe_is_the_robot_that_was_weighed() -> None:
     np.testing.assert_allclose(parse_recipe(again).com_offset, robot.com_offset, atol=1e-8)
 
 
-def test_what_cannot_be_weighed_is_refused_in_a_sentence() -> None:
+def test_what_cannot_be_weighed_is_refused_in_a_sentence():
     with pytest.raises(InputError, match=r"carries nothing .*'mast'.* fl, fr"):
         weigh(MODEL, [Weighing((0.0,), {("mast",): 3.0}, 0.1)])
     with pytest.raises(InputError, match="no mass above 0"):
@@ -173,13 +173,13 @@ def test_what_cannot_be_weighed_is_refused_in_a_sentence() -> None:
         corrected(dotted, weigh(MODEL, weighed(*LEVEL)))
 
 
-def test_an_export_knows_the_offset() -> None:
+def test_an_export_knows_the_offset():
     robot = parse_recipe(corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED))))
     constant = closed_form(robot).com.terms[()] - closed_form(MODEL).com.terms[()]
     np.testing.assert_allclose(constant, SHIFT, atol=1e-8)
 
 
-def test_the_offset_counts_for_tilts() -> None:
+def test_the_offset_counts_for_tilts():
     text = MODEL.text.replace("[robot]  # a cart", "[robot]\ncom_offset = [0, 0.1, 0]")
     robot = parse_recipe(text)
     left, right = tilt_limits(robot, [0.0], [0.5 * math.pi, -0.5 * math.pi], "plane")

@@ -2,11 +2,9 @@
 
 import functools
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Effort, certify
@@ -14,7 +12,6 @@ from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
-from firmware_export.protocol import Export
 from firmware_export.truth import rounds, slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
@@ -34,35 +31,33 @@ EFFORT = Effort(12_000, 20, 12)
 
 
 @functools.cache
-def export_of(name: str, error: float | None = None) -> Export:
+def export_of(name, error=None):
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
     return contacts.INFO.export(model, "robot", EXPORTABLE, spec=spec)
 
 
-def tables_of(export: Export) -> Series:
+def tables_of(export):
     terms = export.tables.terms
     assert isinstance(terms, Series)
     return terms
 
 
-def places(model: Model, count: int, seed: int) -> NDArray[np.float32]:
+def places(model, count, seed):
     rng = np.random.default_rng(seed)
-    found: NDArray[np.float32] = model.at(rng.random((count, model.k))).astype(np.float32)
-    return found
+    return model.at(rng.random((count, model.k))).astype(np.float32)
 
 
-def off_at(one: Export, params: NDArray[np.float32]) -> NDArray[np.float64]:
+def off_at(one, params):
     """Return how far (m, n) the contacts of the C are from the robot's."""
     many = one.tables.many
     order = rounds(one.model) if many is None else many.order
     real = one.model.postures(params.astype(np.float64)).centres[:, order]
-    distance: NDArray[np.float64] = np.linalg.norm(host_of(one).positions(params) - real, axis=2)
-    return distance
+    return np.linalg.norm(host_of(one).positions(params) - real, axis=2)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name: str) -> None:
+def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name):
     for error in (COARSEST[name], 3e-6):
         one = export_of(name, error)
         said = contacts.off_of(one.model, one.tables.spec)
@@ -74,7 +69,7 @@ def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name: str) 
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name: str) -> None:
+def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name):
     one = export_of(name)
     params = np.repeat(places(one.model, 400, 2), 25, axis=0)
     gravity = np.random.default_rng(3).normal(size=(len(params), 3)).astype(np.float32)
@@ -97,7 +92,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name:
 
 
 @pytest.mark.parametrize("name", ["legs", "wheels"])
-def test_the_worst_points_of_the_truth_find_no_false_safe(name: str) -> None:
+def test_the_worst_points_of_the_truth_find_no_false_safe(name):
     one = export_of(name)
     found = certify(device(one), EXPORTABLE, effort=EFFORT)
     assert found.false_safe == 0
@@ -107,7 +102,7 @@ def test_the_worst_points_of_the_truth_find_no_false_safe(name: str) -> None:
     assert name != "legs" or certify(device(bold), EXPORTABLE, effort=EFFORT).false_safe > 0
 
 
-def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else() -> None:
+def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():
     knots = tables_of(export_of("stops")).knots
     assert [len(one) for one in knots] == [3, 2]
     assert knots[0][1] == pytest.approx(0.37, abs=1e-6)
@@ -115,7 +110,7 @@ def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else() -> None:
     assert export_of("stops").tables.bytes < 120
 
 
-def test_what_no_series_hold_is_refused_in_one_sentence() -> None:
+def test_what_no_series_hold_is_refused_in_one_sentence():
     for name, reason in (
         ("latched", "jump (by 0.05 where reach is 0.37)"),
         ("one_way", "kinks along no axis"),
@@ -132,11 +127,11 @@ def test_what_no_series_hold_is_refused_in_one_sentence() -> None:
         series_of(Model(four), (0, 1, 2), 1e-3)
 
 
-def test_positions_of_a_robot_without_parameters_are_constants() -> None:
+def test_positions_of_a_robot_without_parameters_are_constants():
     recipe = coded("scissors")
-    contacts_, com = recipe.function(np.array([[1.0, 0.0, 0.1]]))  # type: ignore[operator]
+    contacts_, com = recipe.function(np.array([[1.0, 0.0, 0.1]]))
 
-    def still(q):  # type: ignore[no-untyped-def]
+    def still(q):
         return np.repeat(contacts_, len(q), axis=0), np.repeat(com, len(q), axis=0)
 
     model = Model(replace(recipe, parameters=(), function=still, home=None))
@@ -145,7 +140,7 @@ def test_positions_of_a_robot_without_parameters_are_constants() -> None:
     assert off_at(one, np.zeros((1, 0), np.float32)).max() < 1e-6
 
 
-def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further() -> None:
+def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further():
     one = export_of("legs")
     left, right = one.recipe.parameters
     room = slack(left)
@@ -159,7 +154,7 @@ def test_beyond_the_ends_it_is_read_as_far_as_sensors_may_say_and_no_further() -
         assert reading[0, 1] <= exact
 
 
-def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range() -> None:
+def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range():
     one = export_of("round_about")
     turns = np.array([[0.4], [0.4 + 2.0 * np.pi], [0.4 - 6.0 * np.pi]], np.float32)
     status, reading = device(one).read(turns, [[0.1, 0.05, -1.0]] * 3)
@@ -168,11 +163,11 @@ def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range() ->
     assert device(export_of("legs")).read([[0.4, -1.0]], [[0.0, 0.0, -1.0]])[0][0] == OFF_RANGE
 
 
-def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path: Path) -> None:
+def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path):
     with untried():
         report = export(coded("wheels"), tmp_path / "out", points=1000)
     assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
     assert report.table_bytes < 330
-    assert report["certificate"]["false_safe"] == 0  # type: ignore[index]
+    assert report["certificate"]["false_safe"] == 0
     text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
     assert "#define SMAP_SERIES 1" in text

@@ -1,19 +1,15 @@
 """Paths: attitudes known by hand, the paper's slopes, and files that are refused with a line."""
 
 import math
-from pathlib import Path as File
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from lutgen.errors import InputError
-from lutgen.search.terrain import Path, along, paper_path, turned
+from lutgen.search.terrain import along, paper_path, turned
 from lutgen.search.terrain_csv import read_path
-
-Floats = NDArray[np.float64]
 
 SLOPE = math.radians(25.0)
 SIN, COS = math.sin(SLOPE), math.cos(SLOPE)
@@ -22,7 +18,7 @@ UPHILL = (-SIN, 0.0, COS)
 BY_HEADING = {0: (-SIN, 0, -COS), 90: (0, SIN, -COS), 180: (SIN, 0, -COS), 270: (0, -SIN, -COS)}
 
 
-def on_slope(xy: Floats) -> Floats:
+def on_slope(xy):
     """Return points (p, 3) of the slope above (p, 2)."""
     return np.column_stack([xy, xy[:, 0] * math.tan(SLOPE)])
 
@@ -30,7 +26,7 @@ def on_slope(xy: Floats) -> Floats:
 # The paper's path
 
 
-def test_the_papers_path_has_its_equations_and_no_gap_at_zero() -> None:
+def test_the_papers_path_has_its_equations_and_no_gap_at_zero():
     path = paper_path(5, span=(-2.0, 2.0))
     s = np.array([-2.0, -1.0, 1.0, 2.0])
     others = path.position[[0, 1, 3, 4]]
@@ -43,7 +39,7 @@ def test_the_papers_path_has_its_equations_and_no_gap_at_zero() -> None:
 
 
 @pytest.mark.parametrize("attitude", ["pitch", "surface"])
-def test_the_papers_slopes_are_those_of_its_own_points(attitude: str) -> None:
+def test_the_papers_slopes_are_those_of_its_own_points(attitude):
     # A spacing of 1.2e-4: central differences err by less than 1e-6.
     path = paper_path(100_001, attitude, (-2.0, 10.0))
     if attitude == "pitch":
@@ -60,7 +56,7 @@ def test_the_papers_slopes_are_those_of_its_own_points(attitude: str) -> None:
 
 
 @pytest.mark.parametrize("heading", BY_HEADING)
-def test_on_a_slope_gravity_is_as_the_heading_says(heading: int) -> None:
+def test_on_a_slope_gravity_is_as_the_heading_says(heading):
     yaw, expected = np.full(3, math.radians(heading)), np.tile(BY_HEADING[heading], (3, 1))
     crooked = on_slope(np.array([[0.0, 0.0], [1.0, 2.0], [0.5, 3.0]]))
     path = along(crooked, yaw, np.tile(np.multiply(UPHILL, 7.0), (3, 1)))
@@ -79,7 +75,7 @@ def test_on_a_slope_gravity_is_as_the_heading_says(heading: int) -> None:
     assert path.distance == pytest.approx(np.array([0.0, 1.0, 3.0]) * math.hypot(climb, 1.0))
 
 
-def test_round_a_cone_gravity_stays_on_the_side_of_the_axis() -> None:
+def test_round_a_cone_gravity_stays_on_the_side_of_the_axis():
     # Counter-clockwise inside a funnel: the wall rises to the right.
     angle = np.linspace(0.0, 2.0 * np.pi, 400)
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.full(400, 3.0)])
@@ -92,7 +88,7 @@ def test_round_a_cone_gravity_stays_on_the_side_of_the_axis() -> None:
     np.testing.assert_allclose(along(circle).gravity, [[0, 0, -1]] * 400, atol=1e-15)
 
 
-def test_a_circle_has_its_own_tangents_although_the_points_are_uneven() -> None:
+def test_a_circle_has_its_own_tangents_although_the_points_are_uneven():
     # Neighbouring steps of 1 to 5: the direction between both neighbours would be 2.3 deg off.
     angle = np.cumsum([0.0, *(0.02, 0.1) * 7])
     path = along(np.column_stack([np.sin(angle), 0.0 * angle, 1.0 - np.cos(angle)]))
@@ -102,7 +98,7 @@ def test_a_circle_has_its_own_tangents_although_the_points_are_uneven() -> None:
     np.testing.assert_allclose(pitch[[0, -1]], [0.01, angle[-1] - 0.05], atol=1e-13)
 
 
-def test_a_wall_is_as_steep_as_a_wall_and_the_heading_before_it_holds() -> None:
+def test_a_wall_is_as_steep_as_a_wall_and_the_heading_before_it_holds():
     up = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 1, 2], [0, 1, 3], [0, 2, 3]]
     path = along(up)
     np.testing.assert_allclose(path.heading, np.pi / 2)
@@ -127,9 +123,7 @@ def test_a_wall_is_as_steep_as_a_wall_and_the_heading_before_it_holds() -> None:
     heading=st.floats(-3.0, 3.0),
     turn=st.floats(-3.0, 3.0),
 )
-def test_a_turned_robot_has_the_gravity_of_its_new_heading(
-    slope: float, fall: float, heading: float, turn: float
-) -> None:
+def test_a_turned_robot_has_the_gravity_of_its_new_heading(slope, fall, heading, turn):
     up = np.array(
         [math.sin(slope) * math.cos(fall), math.sin(slope) * math.sin(fall), math.cos(slope)]
     )
@@ -150,34 +144,34 @@ def test_a_turned_robot_has_the_gravity_of_its_new_heading(
 TWO = [[0, 0, 0], [1, 0, 0]]
 
 
-def test_what_is_no_path_is_refused() -> None:
+def test_what_is_no_path_is_refused():
     for arguments, said in (
         ({"position": [*TWO, [0, 0, 0]]}, "turns back on itself at point 1"),
         ({"position": TWO, "normal": [[0, 0, 1], [0, 0, -1]]}, "normal at point 1 points down"),
         ({"position": TWO, "normal": [[0, 0, 1], [0, 0, 0]]}, "longer than 0"),
     ):
         with pytest.raises(InputError) as caught:
-            along(**arguments)  # type: ignore[arg-type]
+            along(**arguments)
         assert said in str(caught.value)
 
 
 # Files
 
 
-def written(folder: File, text: str) -> Path:
+def written(folder, text):
     file = folder / "path.csv"
     file.write_bytes(text.encode())
     return read_path(file)
 
 
-def test_a_file_gives_the_path_that_its_numbers_give(tmp_path: File) -> None:
+def test_a_file_gives_the_path_that_its_numbers_give(tmp_path):
     path = written(tmp_path, "x,y,z\n0,0,0\n1.5,0,1e0\n\n2.5,1,-1\n")
     expected = along([[0, 0, 0], [1.5, 0, 1], [2.5, 1, -1]])
     for name in ("position", "heading", "gravity"):
         np.testing.assert_array_equal(getattr(path, name), getattr(expected, name))
 
 
-def test_columns_come_in_any_order_and_headings_in_degrees(tmp_path: File) -> None:
+def test_columns_come_in_any_order_and_headings_in_degrees(tmp_path):
     # A byte order mark, spaces, and line ends of another system.
     path = written(
         tmp_path, "\ufeffnz, nx,ny,heading,z,y,x\r\n1,0,0,90,3,2,1\r\n1,1,0,-90,3,2,2\r\n"
@@ -187,7 +181,7 @@ def test_columns_come_in_any_order_and_headings_in_degrees(tmp_path: File) -> No
     np.testing.assert_allclose(path.gravity[1], [0, 0.5**0.5, -(0.5**0.5)], atol=1e-15)
 
 
-def test_a_faulty_file_is_refused_with_its_place(tmp_path: File) -> None:
+def test_a_faulty_file_is_refused_with_its_place(tmp_path):
     for text, said in (
         ("", "line 1 names no column x (got nothing)"),
         ("x,y,z,yaw\n0,0,0,0\n", "the unknown column 'yaw'"),

@@ -5,7 +5,6 @@ import math
 import re
 import time
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,16 +22,16 @@ SIDEWAYS = np.array([0.0, 1.0, 0.0])
 HERE = np.zeros(3)
 
 
-def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object) -> Collision:
-    return Collision("mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
+def mesh(file, scale=(1.0, 1.0, 1.0), **place):
+    return Collision("mesh", (), file=file, scale=scale, **place)
 
 
-def corners(folder: Path, shape: Collision) -> np.ndarray:
+def corners(folder, shape):
     return Meshes(Sources(folder)).corners(shape)
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".dae"])
-def test_a_mesh_of_any_format_has_the_corners_of_its_hull(suffix: str, tmp_path: Path) -> None:
+def test_a_mesh_of_any_format_has_the_corners_of_its_hull(suffix, tmp_path):
     # A corner inside is none of the hull's.
     write(tmp_path / f"a{suffix}", np.vstack([box(0.2, 0.4, 0.6), [[0.01, 0.02, 0.03]]]))
     found = corners(tmp_path, mesh(f"a{suffix}"))
@@ -40,7 +39,7 @@ def test_a_mesh_of_any_format_has_the_corners_of_its_hull(suffix: str, tmp_path:
     assert found.tolist() == wanted
 
 
-def test_scale_turn_and_place_are_those_of_the_shape(tmp_path: Path) -> None:
+def test_scale_turn_and_place_are_those_of_the_shape(tmp_path):
     write(tmp_path / "a.stl", box(200.0, 400.0, 600.0))
     shape = mesh("a.stl", (0.001, 0.001, -0.002), origin=(1.0, 0.0, 0.0), rpy=(0.5 * math.pi, 0, 0))
     found = corners(tmp_path, shape)
@@ -54,7 +53,7 @@ def test_scale_turn_and_place_are_those_of_the_shape(tmp_path: Path) -> None:
     assert meshes.corners(mesh("a.stl", (2.0, 2.0, 2.0))) == pytest.approx(2.0 * first)
 
 
-def test_collada_is_in_the_unit_that_it_declares_and_its_axes_stay(tmp_path: Path) -> None:
+def test_collada_is_in_the_unit_that_it_declares_and_its_axes_stay(tmp_path):
     place = "1 0 0 100  0 1 0 0  0 0 1 0  0 0 0 1"
     (tmp_path / "a.dae").write_bytes(dae(box(0.2, 0.4, 0.6), 0.01, place))
     found = corners(tmp_path, mesh("a.dae"))
@@ -63,7 +62,7 @@ def test_collada_is_in_the_unit_that_it_declares_and_its_axes_stay(tmp_path: Pat
     assert found.max(axis=0).tolist() == [1.1, 0.2, 0.3]
 
 
-def test_a_file_is_found_by_path_by_address_and_by_package(tmp_path: Path) -> None:
+def test_a_file_is_found_by_path_by_address_and_by_package(tmp_path):
     package = tmp_path / "legs"
     (package / "meshes").mkdir(parents=True)
     (package / "package.xml").write_text("<package><name>legs</name></package>")
@@ -80,9 +79,7 @@ def test_a_file_is_found_by_path_by_address_and_by_package(tmp_path: Path) -> No
     assert len(elsewhere.corners(mesh("package://other/meshes/a b.stl"))) == 8
 
 
-def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_are_not(
-    tmp_path: Path,
-) -> None:
+def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_are_not(tmp_path):
     points = "".join(f"v {x} {y} {z}\n" for x, y, z in box(1, 1, 1)) + "v 9 9 9\n"
     face = "usemtl m{0}\no p{0}\nf {1} {2} {3}\n"
     faces = "".join(face.format(i, i % 6 + 1, i % 6 + 2, i % 6 + 3) for i in range(20_000))
@@ -94,7 +91,7 @@ def test_twenty_thousand_materials_are_read_in_seconds_and_corners_of_no_face_ar
     assert np.abs(found).max() == 0.5
 
 
-def packed() -> bytes:
+def packed():
     """Return an archive that does not begin like one."""
     buffer = io.BytesIO(b"<COLLADA>")
     buffer.seek(0, io.SEEK_END)
@@ -103,7 +100,7 @@ def packed() -> bytes:
     return buffer.getvalue()
 
 
-def nested(leaf: str) -> bytes:
+def nested(leaf):
     """Return a Collada file of nodes that instantiate ten of the next, 30 levels deep."""
     nodes = f'<node id="n0">{leaf}</node>'
     for i in range(1, 30):
@@ -144,9 +141,7 @@ HEADER = stl(box(1, 1, 1), claimed=10_000_000)
         ("package://nowhere/b.stl", None, "give --package nowhere=DIR"),
     ],
 )
-def test_what_is_no_mesh_is_named_with_its_cause(
-    name: str, content: bytes | None, said: str, tmp_path: Path
-) -> None:
+def test_what_is_no_mesh_is_named_with_its_cause(name, content, said, tmp_path):
     if content is not None:
         (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError) as caught:
@@ -156,8 +151,8 @@ def test_what_is_no_mesh_is_named_with_its_cause(
 
 
 def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     write(tmp_path / "a.stl", box(1, 1, 1))
     for scale in ((), (1.0, 1.0), (1.0, 0.0, 1.0), (1.0, math.nan, 1.0)):
         with pytest.raises(InputError, match="has no scale"):
@@ -174,7 +169,7 @@ def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
 
 
 @pytest.mark.parametrize("sides", [12, 16, 33, 100])
-def test_a_cylinder_anywhere_about_any_axle_is_a_wheel_of_its_radius_and_width(sides: int) -> None:
+def test_a_cylinder_anywhere_about_any_axle_is_a_wheel_of_its_radius_and_width(sides):
     turn, origin = rotation((0.3, -0.7, 1.1)), np.array([0.5, -0.2, 0.1])
     axle = turn @ SIDEWAYS
     # The joint may be beside the middle of the wheel.
@@ -203,11 +198,11 @@ def test_a_cylinder_anywhere_about_any_axle_is_a_wheel_of_its_radius_and_width(s
         cylinder(0.01, 0.1),
     ],
 )
-def test_what_is_not_round_about_its_axle_is_no_wheel(body: np.ndarray) -> None:
+def test_what_is_not_round_about_its_axle_is_no_wheel(body):
     assert wheel_of(body, HERE, SIDEWAYS) is None
 
 
-def reach_of(shape: Collision, direction: np.ndarray) -> float:
+def reach_of(shape, direction):
     """Return how far a foot reaches."""
     if shape.kind == "sphere":
         return float(direction @ shape.origin + shape.size[0])
@@ -215,7 +210,7 @@ def reach_of(shape: Collision, direction: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("body", [ball(0.02), capsule(0.02, 0.3)])
-def test_a_ball_and_the_end_of_a_capsule_are_a_sphere(body: np.ndarray) -> None:
+def test_a_ball_and_the_end_of_a_capsule_are_a_sphere(body):
     low = body[:, 2].min()
     found = foot_of(body, DOWN)
     assert found.kind == "sphere"
@@ -226,7 +221,7 @@ def test_a_ball_and_the_end_of_a_capsule_are_a_sphere(body: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("lean", [0.0, 0.1])
-def test_a_sole_of_a_box_is_its_four_lower_corners(lean: float) -> None:
+def test_a_sole_of_a_box_is_its_four_lower_corners(lean):
     found = foot_of(box(0.2, 0.1, 0.05) + np.array([0.05, 0, 0]), rotation((0.0, lean, 0.0)) @ DOWN)
     assert found.kind == "points"
     corners = np.array(found.size).reshape(-1, 3).tolist()
@@ -234,7 +229,7 @@ def test_a_sole_of_a_box_is_its_four_lower_corners(lean: float) -> None:
     assert "at most 0.00 mm inside of its rim and 0.00 mm above its plane" in found.note
 
 
-def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside() -> None:
+def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside():
     turn = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
     rim = np.stack([0.12 * np.cos(turn), 0.05 * np.sin(turn), 0.0 * turn], axis=1)
     body = np.vstack([rim, 0.8 * rim + np.array([0.0, 0.0, 0.06])])
@@ -251,7 +246,7 @@ def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside() -> None:
     assert said < 10.0
 
 
-def test_what_is_neither_ball_nor_sole_is_its_lowest_corners() -> None:
+def test_what_is_neither_ball_nor_sole_is_its_lowest_corners():
     # A wedge that stands on its edge, and a pyramid on its tip.
     wedge = np.array(
         [[x, y, z] for x in (-0.1, 0.1) for y, z in ((0, -0.1), (0.05, 0), (-0.05, 0))]

@@ -9,7 +9,7 @@ import pytest
 from lutgen.errors import RecipeError
 from lutgen.urdf.joints import read_motion
 from lutgen.urdf.links import centre_of_mass, places
-from lutgen.urdf.mjcf import Mjcf, load_mjcf
+from lutgen.urdf.mjcf import load_mjcf
 from lutgen.vector import rotation
 
 mujoco = pytest.importorskip("mujoco")
@@ -52,13 +52,13 @@ TEXT = """
 
 
 @pytest.fixture
-def file(tmp_path: Path) -> Path:
+def file(tmp_path):
     path = tmp_path / "beast.xml"
     path.write_text(TEXT)
     return path
 
 
-def compiled(file: Path, values: dict[str, float]) -> tuple[object, object]:
+def compiled(file, values):
     """Return MuJoCo's model and state with joints away from the reference by values (rad, m)."""
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
@@ -69,7 +69,7 @@ def compiled(file: Path, values: dict[str, float]) -> tuple[object, object]:
     return model, data
 
 
-def posed(got: Mjcf, values: dict[str, float]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def posed(got, values):
     return places(got.robot, read_motion(got.robot), values)
 
 
@@ -77,7 +77,7 @@ GEOMS = {"trunk": ["hull"], "thigh": ["bone"], "shank": ["foot"], "paw": ["sole"
 VALUES = {"roll": 0.4, "pitch": -0.6, "slide": 0.07}
 
 
-def test_mass_com_and_every_geom_are_where_mujoco_has_them(file: Path) -> None:
+def test_mass_com_and_every_geom_are_where_mujoco_has_them(file):
     got = load_mjcf(file)
     model, data = compiled(file, VALUES | {"follow": 0.1 - 2.0 * VALUES["pitch"]})
     where = posed(got, VALUES)
@@ -101,7 +101,7 @@ def test_mass_com_and_every_geom_are_where_mujoco_has_them(file: Path) -> None:
     assert seen == 4
 
 
-def test_limits_count_from_the_reference_and_a_coupling_is_followed(file: Path) -> None:
+def test_limits_count_from_the_reference_and_a_coupling_is_followed(file):
     got = load_mjcf(file)
     joints = {joint.name: joint for joint in got.robot.joints}
     assert math.degrees(joints["pitch"].lower) == pytest.approx(-75.0)
@@ -111,7 +111,7 @@ def test_limits_count_from_the_reference_and_a_coupling_is_followed(file: Path) 
     assert got.robot.ignored == {"body beside the robot": 1}
 
 
-def test_sizes_are_whole_lengths_and_looks_touch_nothing(file: Path) -> None:
+def test_sizes_are_whole_lengths_and_looks_touch_nothing(file):
     got = load_mjcf(file)
     links = {link.name: link for link in got.robot.links}
     (hull,) = links["trunk"].collisions
@@ -126,14 +126,14 @@ def test_sizes_are_whole_lengths_and_looks_touch_nothing(file: Path) -> None:
     assert apart.min(axis=0).max() < 1e-6
 
 
-def test_mujocos_warnings_leave_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mujocos_warnings_leave_no_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("old.xml").write_text(TEXT.replace("<compiler ", '<compiler settotalmass="3" '))
     assert math.fsum(link.mass for link in load_mjcf("old.xml").robot.links) < 3.0
     assert [path.name for path in tmp_path.iterdir()] == ["old.xml"]
 
 
-def test_files_without_a_robot_are_refused_in_a_sentence(tmp_path: Path) -> None:
+def test_files_without_a_robot_are_refused_in_a_sentence(tmp_path):
     for text, said in (
         ("<mujoco><worldbody/></mujoco>", "no body has a mass"),
         ("<mujoco><worldbody><body><geom/></body></worldbody></mujoco>", "MuJoCo cannot read it"),

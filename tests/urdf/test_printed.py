@@ -45,7 +45,7 @@ def test_any_other_angle_is_what_it_says(text):
     assert meant(text) == float(text)
 
 
-def car(quarter: str) -> str:
+def car(quarter):
     """Return the URDF of a car on four cylinders whose axles are turned by a quarter."""
     parts = [link("base", 9.0)]
     for k, (x, y) in enumerate((x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2)):
