@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from lutgen.mapping.interpolate import Place, interpolate, locate
+from lutgen.mapping.stability_map import Place, interpolate, locate
 
 Axes = list[NDArray[np.float64]]
 
