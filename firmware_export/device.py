@@ -30,12 +30,7 @@ class ExportFolder:
         folder = self._directory = Path(directory)
         self.report = load_report(folder)
         self.integer = self.report["arithmetic"] == "integer"
-        tables = self.report.get("tables")
-        if tables is None:
-            raise InputError(
-                f"{folder}: its report holds no tables to ask (got one of lutgen "
-                f"{self.report.get('lutgen_version')}); export again."
-            )
+        tables: Any = self.report.get("tables")
         path = folder / f"{self.report['name']}.c"
         try:
             digest = file_digest(path.read_bytes())

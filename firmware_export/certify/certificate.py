@@ -52,25 +52,15 @@ class Effort(NamedTuple):
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was measured on an export.
+    """What was measured on an export: `points` are compared, `standing` of them stand.
 
-    Attributes
-    ----------
-    points : int
-        Points compared, those of the searches not counted; `standing` of them stand.
-    channels : dict
-        Per channel ``max`` (absent where |SD_g| jumps: then ``largest_seen``), ``p99``, ``rms`` in
-        the channel's unit over all points, ``p99_uniform`` and ``rms_uniform`` over the uniform
-        half; also ``range`` and the same in percent of it, ``..._percent``.
-    false_safe, false_tip : int, float
-        Points, also of the search, that are called safe and tip; share of the standing points of
-        the uniform half that are called tipping.
-    beyond : float, optional
-        Share of the standing uniform points whose |SD_g| error is beyond the bound asked for.
-    nearest : float
-        rad by which the search failed to find a false safe.
-    wrong : tuple, optional
-        Parameters (n, k) and gravity (n, 3) of all that a test found.
+    `channels` have ``max`` (absent where |SD_g| jumps: then ``largest_seen``), ``p99``, ``rms`` in
+    the channel's unit over all points, ``p99_uniform`` and ``rms_uniform`` over the uniform half;
+    also ``range`` and the same in percent of it, ``..._percent``.  `false_safe` counts points, also
+    of the search, that are called safe and tip; `false_tip` is the share of the standing points of
+    the uniform half that are called tipping, and `beyond` of those whose |SD_g| error is beyond the
+    bound asked for.  By `nearest` (rad) the search failed to find a false safe; `wrong`, parameters
+    (n, k) and gravity (n, 3), are all that a test found.
     """
 
     points: int

@@ -64,8 +64,9 @@ def uncontrolled(steering: Steering, ride: Ride, start: Floats) -> Drive:
 
 
 def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> Loop:
-    """Return the ride that the C steers, from posture (k,) `start`; refuse a plant that is none."""
-    _refuse(plant)
+    """Return the ride that the C steers, from posture (k,) `start`; refuse rates of no robot."""
+    if not (plant.rates > 0.0).all():
+        raise InputError(f"--rate: above 0 (got {plant.rates.tolist()}).")
     recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()
     low = np.array([p.minimum for p in recipe.parameters])
@@ -111,12 +112,3 @@ def _judged(steering: Steering, ride: Ride, params: Floats, wanted: Floats, down
     channels = evaluate_each(steering.recipe, params, down, CHANNELS)
     still = np.zeros(len(params))
     return Drive(ride.path, params, wanted, still, ride.path.heading, down, channels, 0)
-
-
-def _refuse(plant: Plant) -> None:
-    """Refuse what no robot has."""
-    for name, value in (("latency", plant.latency), ("noise", plant.noise)):
-        if not 0.0 <= value < math.inf:
-            raise InputError(f"--{name}: 0 or more (got {value:g}).")
-    if not (plant.rates > 0.0).all():
-        raise InputError(f"--rate: above 0 (got {plant.rates.tolist()}).")

@@ -33,11 +33,6 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
 
     Wishes that mean nothing and exports that are read without floats are refused.
     """
-    if export.integer:
-        raise InputError(
-            f"{export.recipe.source}: on-board control computes with floats (got integer "
-            "arithmetic); export with --arithmetic float."
-        )
     found = design(export.model, wishes)
     blob = describe(export)
     Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it

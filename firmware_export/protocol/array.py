@@ -64,21 +64,13 @@ class CArray:
 class CBody:
     """A codec's part of a blob, and what reads it.
 
-    Attributes
-    ----------
-    codec, contacts : int
-        Its number in runtime/smap_map.h; contacts where the runtime asks for their number.
-    arrays : tuple of CArray
-        Without gaps, in the order in which the runtime's file for the codec describes them.
-    macros : tuple of (str, int)
-        How many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
-    pose : (int, int)
-        Words of 32 bits of a pose beside the map's address: with both forms, and with integers
-        alone.  `swept`: of one for a box of postures, as on-board control makes it.
-    step, lengths : float, tuple of (str, float)
-        Length of a step of the integer form; that of ``"sdg"`` and of ``"height"`` where different.
-    rounded : int
-        By how many 1/32767 the integer form may read a sine too high.
+    `codec` is its number in runtime/smap_map.h, `contacts` what the runtime asks for as their
+    number.  `arrays` follow each other in the order in which the runtime's file for the codec
+    describes them, `macros` say how many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
+    `pose` are the words of 32 bits of a pose beside the map's address, with both forms and with
+    integers alone; `swept` those for a box of postures, as on-board control makes it.  `step` is
+    the length of a step of the integer form, `lengths` those of ``"sdg"`` and ``"height"`` where
+    they differ; the integer form may read a sine too high by `rounded` 1/32767.
     """
 
     codec: int

@@ -2,7 +2,7 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `stopping`, `balance`, `uneven`, `footing`.
+`budget`, `stopping`, `balance`, `uneven`, `footing`, `weighing`, `weighed_recipe`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
@@ -20,7 +20,7 @@ from lutgen.analysis.rolling import (
     rolling_gravity,
     rolls,
 )
-from lutgen.analysis.sliding import share_limits, slide_limits, slopes
+from lutgen.analysis.sliding import share_limits, slide_limits
 from lutgen.analysis.stopping import StopSpeeds, stop_speeds
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
@@ -34,4 +34,6 @@ from lutgen.analysis.tilt_table import (
     sweep_limits,
 )
 from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
+from lutgen.analysis.weighed_recipe import corrected, correction, correction_lines
+from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing, weigh
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds

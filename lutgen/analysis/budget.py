@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.channels import evaluate_each
-from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -25,28 +24,13 @@ READS, LEFT = 400, 1e-6
 def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike) -> Floats:
     """Return the largest accelerations before postures tip over, (m,), m/s^2, rounded down.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Geometry parameters, rad or length.
-    gravity, direction : (m, 3) array_like
-        Down, and where the robot accelerates: body frame, any length > 0.  Braking is backward,
-        turning to the left is to the left.
-
-    Returns
-    -------
-    (m,) float64
-        0 where the posture tips anyway, `MOST` where it would not tip below that.
-
-    Raises
-    ------
-    InputError
-        For shapes that do not fit, and directions that are none.
+    0 where a posture (m, k) tips anyway, `MOST` where it would not tip below that.  `gravity`
+    (m, 3) is down and `direction` (m, 3) where the robot accelerates, body frame, any length > 0:
+    braking is backward, turning to the left is to the left.
     """
     rows = np.asarray(params, dtype=np.float64)
-    force, to = _units("gravity", gravity, len(rows)), _units("direction", direction, len(rows))
+    both = np.array([gravity, direction], dtype=np.float64)
+    force, to = both / np.linalg.norm(both, axis=-1, keepdims=True)
     found, at = np.zeros(len(rows)), np.arange(len(rows))
     for _ in range(READS):
         tip = evaluate_each(recipe, rows[at], force[at], ("tip_angle",))["tip_angle"]
@@ -69,15 +53,3 @@ def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: Ar
 def turn_speed(acceleration: ArrayLike, radius: float) -> Floats:
     """Return the speeds (m/s) at which turns of a radius (m) take accelerations (m/s^2)."""
     return np.asarray(np.sqrt(np.maximum(np.asarray(acceleration) * radius, 0.0)))
-
-
-def _units(name: str, given: ArrayLike, count: int) -> Floats:
-    """Return directions (count, 3), unit; refuse what is none."""
-    rows = np.array(given, dtype=np.float64)
-    length = np.linalg.norm(rows, axis=-1, keepdims=True)
-    if rows.shape != (count, 3) or not (np.isfinite(length) & (length > 0.0)).all():
-        raise InputError(
-            f"{name} must have the shape ({count}, 3), finite and not zero (got {rows.shape}); "
-            "give one direction for each posture"
-        )
-    return np.asarray(rows / length)

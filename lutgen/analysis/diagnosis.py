@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.analysis.forces import heuristic_forces, loads_on
 from lutgen.analysis.posture import Facet, Posture
@@ -27,10 +27,8 @@ from lutgen.channels import (
     measure_moved,
     segment_energy,
 )
-from lutgen.chart import STANDARD_GRAVITY
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import Recipe
-from lutgen.support import ARCS, KIND, RADIUS, seat_under
+from lutgen.support import ARCS, seat_under
 from lutgen.vector import Floats, Vector, dot, read3
 
 # Shares of the weight nearer than this are one, as far as the balance is kept.
@@ -56,7 +54,7 @@ class TipAxis:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything about one posture under one direction; lengths in the recipe's unit.
+    """Everything about one posture under one direction, `gravity_dir`; lengths in recipe's unit.
 
     `facet` is the support facet, also where the robot tips, or None if it has none; `pierced` (3,)
     is D_g in its plane, under forces the zero-moment point, and NaN without a facet.
@@ -67,17 +65,11 @@ class Diagnosis:
     least and the largest share that each can carry, one distribution per bound.
     `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without a friction
     coefficient.  Under the recipe's forces the weight is the resultant of weight and forces,
-    `resultant` over the weight, and `slope` its angle to the normal.  `com_uncertainty` is the
-    radius of the com's ball; `force_points` (f, 3), relative to the com, and `forces` (f, 3), over
-    the weight, are where and how the recipe's forces act.
+    `resultant` over the weight, and `slope` its angle to the normal.
     """
 
+    posture: Posture
     gravity_dir: Floats
-    com: Floats
-    centres: Floats
-    disc_axes: Floats
-    radius: Floats
-    kind: NDArray[np.int64]
     standing: bool
     channels: dict[str, float]
     facet: Facet | None
@@ -91,16 +83,13 @@ class Diagnosis:
     slope: float
     slides: bool | None
     resultant: Floats
-    com_uncertainty: float
-    force_points: Floats
-    forces: Floats
 
 
 def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     """Explain one posture under one gravity direction (3,): down, body frame, any length > 0."""
-    recipe, placed, wrench = posture.recipe, posture.placed, posture.wrench
+    recipe, wrench = posture.recipe, posture.wrench
     down = checked_directions(gravity_dir)
-    values = measure_moved(recipe, placed, down, CHANNELS)
+    values = measure_moved(recipe, posture.placed, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
     stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
@@ -140,12 +129,8 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
     return Diagnosis(
+        posture,
         down[0],
-        placed.com[0],
-        placed.centres[0],
-        placed.axes[0],
-        posture.primitives[:, RADIUS].copy(),
-        posture.primitives[:, KIND].astype(np.int64),
         standing,
         channels,
         facet,
@@ -159,17 +144,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
         slope,
         slides,
         resultant,
-        recipe.com_uncertainty,
-        placed.force_points[0],
-        _over_weight(recipe),
     )
-
-
-def _over_weight(recipe: Recipe) -> Floats:
-    """Return the recipe's forces (f, 3) over its weight."""
-    weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
-    forces = [[part / weight for part in force.force] for force in recipe.forces]
-    return np.array(forces, dtype=np.float64).reshape(-1, 3)
 
 
 def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:

@@ -85,7 +85,9 @@ def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
     """Return the same as `normal_forces`, with the corners (c, k) of `load_corners` known."""
     balance = np.vstack([np.ones(len(points)), _flat(points, pierced).T])
     if not len(corners):
-        return _smallest(balance)
+        # The smallest that balances, whether it pulls or not.
+        wanted = np.array([1.0, *np.zeros(len(balance) - 1)])
+        return np.asarray(np.linalg.lstsq(balance, wanted, rcond=None)[0])
     # No load rests on the others: without them D_g is amid those that can carry.
     able, shares = corners.any(axis=0), np.zeros(len(points))
     carried = np.empty(int(able.sum()))
@@ -158,10 +160,3 @@ def _rows(places: NDArray[np.intp], shares: Floats, k: int) -> Floats:
     loads = np.zeros((len(places), k))
     np.put_along_axis(loads, places, shares, axis=1)
     return loads
-
-
-def _smallest(balance: Floats) -> Floats:
-    """Return the shares of the smallest sum of squares that balance, whether they pull or not."""
-    wanted = np.zeros(len(balance))
-    wanted[0] = 1.0
-    return np.asarray(np.linalg.lstsq(balance, wanted, rcond=None)[0])

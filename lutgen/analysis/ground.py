@@ -53,16 +53,6 @@ def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
 
     `up_dir` (3,) is what the accelerometer reads (specific force, body frame), any length > 0.
     Refused where gravity pierces no support facet: then nothing is known of the ground.
-
-    Examples
-    --------
-    Wheel 1 is low on level ground, so the body leans back, and the ground does not slope:
-
-    >>> from lutgen.recipe.recipe import load_recipe
-    >>> recipe = load_recipe("maps/paper_one.toml")
-    >>> ground = tangent_plane(Posture(recipe, [0.75]), [0.143, 0.0, 0.99])
-    >>> round(math.degrees(ground.pitch), 1), round(math.degrees(ground.slope), 1)
-    (-8.2, 0.0)
     """
     roll, pitch = roll_pitch(up_dir)
     down = gravity_from_up(up_dir)

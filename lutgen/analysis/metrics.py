@@ -42,11 +42,9 @@ class Metrics:
 
 
 def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
-    """Compute the metrics of one posture.
+    """Compute the metrics of one posture under directions (g, 3): down, body frame, any length > 0.
 
-    `gravity_dir` (g, 3) are directions in the body frame, pointing down, of any length > 0.
-    Refused where the posture tips on level ground or has no tip-over axis, so that nothing
-    normalises it.
+    Refused where the posture tips on level ground or has no tip-over axis to normalise by.
     """
     recipe = posture.recipe
     if recipe.com_uncertainty > 0.0:
@@ -84,24 +82,11 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
 
 
 def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Floats:
-    """Return the force-angle measure of tip-over axes.
+    """Return the force-angle measure (...) of tip-over axes, rad x length x force.
 
-    Of an axis with unit direction a, the force's part across it f = (1 - a a^T) F, and the arm l
-    from the com to the axis, across it too,
-
-        beta = theta |d| |f|,
-
-    theta the angle from l to f, positive where the force keeps the robot down, and d the
-    perpendicular from the axis to the line of f through the com.  |d| |f| is the moment M of the
-    force about the axis, so
-
-        beta = theta |M|,  theta = atan2(M, l . f),  M = (start x stop) . F / |stop - start|.
-
-    An arc cosine of a normalised product would leave [-1, 1] by rounding exactly where the com is
-    over the axis; this form is 0 to rounding there.
-
-    It is 0 where the force passes through the axis and for a com on it, pi |M| at most (rad x
-    length x force); near the limit it is of second order in the angle.
+    beta = theta |M|, theta = atan2(M, l . F), M = (start x stop) . F / |stop - start|, with l the
+    arm from the com to the axis, across it: theta is positive where the force keeps the robot down.
+    An arc cosine would leave [-1, 1] by rounding where the com is over the axis.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ it does under none.  The verdict on tipping is that of the robot held in place.
 """
 
 import math
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -16,9 +17,7 @@ from lutgen.analysis.forces import load_corners, normal_forces
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.sliding import first_tilts
-from lutgen.analysis.tilt import tilt_limits
 from lutgen.channels import checked_directions, evaluate
-from lutgen.errors import InputError
 from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
@@ -36,23 +35,15 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     """Return the share of friction that holds the robot against gravity's pull downhill.
 
     Under given normal forces the robot holds its place while tan(slope) <= mu x share.  The share
-    is the least, over all motions of the robot in its contact plane that go downhill (shifts and
-    turns), of what friction takes from them, divided by what it would take with every contact
-    braked: by the theorem of virtual power (limit analysis, exact for given normal forces) friction
-    forces that balance gravity, a unit vector (3,), exist if and only if no motion gains more than
-    it costs.
+    is the least, over all motions downhill in the contact plane (shifts and turns), of what
+    friction takes from them over what it would take with every contact braked: by the theorem of
+    virtual power friction forces balance gravity, a unit vector (3,), if and only if no motion
+    gains more than it costs.
 
-    Of all contacts that touch the facet, `loads` asks for the least share of every load that
-    balances and nowhere pulls (``"every"``: a concave function of the load, least at one of
-    `load_corners`), or for the largest (``"some"``).  Over a gap, where none balances, both are of
-    the `normal_forces` that push.  1 without a rolling contact among the facet's, and on level
-    ground.
+    ``"every"`` load that balances and nowhere pulls has at least this share (least at one of
+    `load_corners`), ``"some"`` has it.  Over a gap, where none balances, both are of the
+    `normal_forces` that push.  1 without a rolling contact among the facet's, and on level ground.
     """
-    if loads not in ("every", "some"):
-        raise InputError(
-            f'the loads of a held share must be "every" or "some" (got {loads!r}); every is what '
-            "holds for certain"
-        )
     contacts = [posture.recipe.contacts[i] for i in facet.touching]
     level = float(np.linalg.norm(facet.along(direction))) < LEVEL
     if level or not any(one.rolling for one in contacts):
@@ -80,26 +71,11 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
 
 
 def holds(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
-    """Tell whether one posture holds its place under every load that balances.
+    """Tell whether one posture holds its place under every load that balances, (g,).
 
-    Parameters
-    ----------
-    posture : Posture
-        Without a friction coefficient braked contacts that carry load never slip.
-    gravity_dir : (g, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0.
-
-    Returns
-    -------
-    (g,) bool
-        True where the robot stands and, however the contacts share the weight, friction keeps it
-        from sliding and rolling: tan(slope) <= mu x `held_share`.  False where it tips; on level
-        ground True.
-
-    Raises
-    ------
-    InputError
-        Under forces, for wrong shapes and numbers that are not finite.
+    True where it stands under `gravity_dir` (g, 3) (down, body frame, any length > 0) and friction
+    keeps it from sliding and rolling: tan(slope) <= mu x `held_share`, and on level ground.
+    Without a friction coefficient braked contacts that carry load never slip.  Forces are refused.
     """
     return _verdicts(posture, gravity_dir, "every")[0]
 
@@ -114,17 +90,10 @@ def may_hold(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
 
 
 def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
-    """Tell whether one posture rolls away from where it stands under every load that balances.
+    """Tell whether one posture rolls away under every load that balances, (g,), see `holds`.
 
-    Parameters are those of `holds`.
-
-    Returns
-    -------
-    (g,) bool
-        True where the robot stands, some contact that touches its support facet rolls, and it does
-        not even `may_hold`: it rolls straight, turns about a braked contact, or both.  It is true
-        too where the robot slides first, and false where it tips and on level ground.  False is no
-        promise that it stays: that is `holds`.
+    True where it stands on a contact that rolls and does not even `may_hold`, also where it slides
+    first; false where it tips and on level ground.  False is no promise that it stays.
     """
     held, rolling = _verdicts(posture, gravity_dir, "some")
     return np.asarray(rolling & ~held)
@@ -160,8 +129,8 @@ def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
     The tilts are looked at every 2 deg; NaN where it tips over before it rolls.  Up to there it
     may hold; up to `hold_limits` it does.
     """
-    end = tilt_limits(posture.recipe, posture.params, headings)
-    return first_tilts(lambda down, _: rolls(posture, down), headings, end, STEP, HALVINGS)
+    turns = partial(rolls, posture)
+    return first_tilts(posture, turns, headings, step=STEP, halvings=HALVINGS)
 
 
 def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
@@ -171,25 +140,23 @@ def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
     on level ground alone.
     """
 
-    def gives(down: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def gives(down: Floats) -> NDArray[np.bool_]:
         stands = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0] >= 0.0
         return np.asarray(stands & ~holds(posture, down))
 
-    end = tilt_limits(posture.recipe, posture.params, headings)
-    return first_tilts(gives, headings, end, STEP, HALVINGS)
+    return first_tilts(posture, gives, headings, step=STEP, halvings=HALVINGS)
 
 
 def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
-    """Return the direction of gravity and inertia together while the robot rolls freely.
+    """Return the direction (3,) of gravity and inertia together while the robot rolls freely.
 
-    With massless wheels nothing resists along the common rolling direction t: the robot gains
-    speed at (g . t) t, and what remains to tip it is g - (g . t) t; on balls that roll in every
-    direction, the part along the facet's normal.  Evaluate any channel there.
+    With massless wheels nothing resists along the common rolling direction t: what remains to tip
+    the robot is g - (g . t) t; on balls, which roll in every direction, the part along the facet's
+    normal.  `gravity_dir` (3,) is in the body frame, pointing down, of any length > 0.
 
-    `gravity_dir` (3,) is in the body frame, pointing down, of any length > 0; the result (3,) is a
-    unit vector.  None where the robot does not roll freely and straight: a contact of its support
-    facet is braked, the discs roll in different directions, or the slope also pulls sideways with
-    all discs on one axle, so that the robot would turn.
+    None where the robot does not roll freely and straight: a contact of its support facet is
+    braked, the discs roll in different directions, or the slope also pulls sideways with all discs
+    on one axle.
     """
     down = checked_directions(gravity_dir)
     recipe, stance = posture.recipe, posture.stance_of_weight()

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Posture
 from lutgen.channels import body_gravity, evaluate, evaluate_each
-from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -87,11 +86,6 @@ def tilt_limits(
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
-    if posture.ndim not in (1, 2) or heading.ndim != 1 or not np.isfinite(heading).all():
-        raise InputError(
-            f"tilt limits need postures (k,) or (m, k) and finite headings (h,) (got shapes "
-            f"{posture.shape} and {heading.shape}); pass rows of params and headings in rad."
-        )
     rows = posture[None, :] if posture.ndim == 1 else posture
     count = max(AT_ONCE // max(heading.size, 1), 1)
     parts = [

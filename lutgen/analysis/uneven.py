@@ -84,18 +84,9 @@ def equilibrium(
     weight x size; at the limit it holds.  The size is the largest distance of a contact from their
     middle; of one contact alone, that of the com from it.
 
-    Parameters
-    ----------
-    points : (n, 3) array_like
-        Where the robot touches the ground, n >= 1; any frame, any unit.
-    normals : (n, 3) array_like
-        Out of the ground towards the robot, of any length > 0.
-    friction : float or (n,) array_like
-        Coulomb's coefficient, 0 to 1e6: of all contacts, or of each.
-    com : (3,) array_like
-        Centre of mass.
-    gravity_dir : (3,) array_like
-        Down, of any length > 0.
+    `points` (n, 3) are where the robot touches the ground, `normals` (n, 3) lead out of the ground,
+    of any length > 0; `friction`, 0 to 1e6, is of all contacts or (n,) of each; `com` (3,) is the
+    centre of mass and `gravity_dir` (3,) down, of any length > 0.
 
     Examples
     --------
@@ -106,28 +97,20 @@ def equilibrium(
     >>> found.holds, round(float(found.region[:, 0].max()), 6)
     (True, 0.8)
     """
-    places = _numbers("points", points)
-    if places.ndim != 2 or places.shape[1] != 3 or not len(places):
-        raise InputError(
-            f"points must have the shape (n, 3) with n >= 1 (got {places.shape}); "
-            "give a row x, y, z for each contact"
-        )
-    outward, mu = _numbers("normals", normals), _numbers("friction", friction)
-    if outward.shape != places.shape:
-        raise InputError(
-            f"normals must have the shape of points, {places.shape} (got {outward.shape}); "
-            "give a row x, y, z for each contact"
-        )
-    middle, down = _numbers("com", com), _numbers("gravity_dir", gravity_dir)
-    for name, vector in (("com", middle), ("gravity_dir", down)):
-        if vector.shape != (3,):
+    places, outward = _numbers("points", points), _numbers("normals", normals)
+    mu, middle = _numbers("friction", friction), _numbers("com", com)
+    down, n = _numbers("gravity_dir", gravity_dir), len(np.atleast_1d(places))
+    shapes = (("points", places, (n, 3)), ("normals", outward, (n, 3)), ("com", middle, (3,)))
+    for name, found, shape in (*shapes, ("gravity_dir", down, (3,))):
+        if found.shape != shape or n == 0:
             raise InputError(
-                f"{name} must be three numbers (got the shape {vector.shape}); give x, y, z"
+                f"{name} must have the shape {shape}, with a contact at least (got {found.shape}); "
+                "give x, y, z of each"
             )
-    if mu.shape not in ((), (len(places),)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
+    if mu.shape not in ((), (n,)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
         raise InputError(
-            f"friction must be one number from 0 to {ROUGHEST:g} or {len(places)} of them "
-            f"(got {mu.tolist()}); give a coefficient for all contacts or for each"
+            f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them (got "
+            f"{mu.tolist()}); give a coefficient for all contacts or for each"
         )
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))

@@ -31,7 +31,7 @@ def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]
     return keys
 
 
-def lines_of(keys: dict[str, float | list[float]]) -> list[str]:
+def correction_lines(keys: dict[str, float | list[float]]) -> list[str]:
     """Return the keys as lines of TOML."""
     return [f"{key} = {toml(value)}" for key, value in keys.items()]
 
@@ -39,18 +39,14 @@ def lines_of(keys: dict[str, float | list[float]]) -> list[str]:
 def corrected(recipe: Recipe, found: Weighed) -> str:
     """Return the recipe's text with the correction below its `[robot]`; all else stays.
 
-    Raises
-    ------
-    RecipeError
-        Where the text has no line `[robot]`, or the keys stand there in a way that is not
-        understood; the message has the lines to write by hand.
+    A text where the keys cannot be replaced is refused with the lines to write by hand.
     """
     keys = correction(recipe, found)
     lines, result, inside, written = recipe.text.splitlines(), [], False, False
     for line in lines:
         if _HEAD.match(line) and not written:
             inside = written = True
-            result += [line, *lines_of(keys)]
+            result += [line, *correction_lines(keys)]
             continue
         inside = inside and not _TABLE.match(line)
         if inside and re.match(rf"\s*({'|'.join(keys)})\s*=", line):
@@ -65,6 +61,6 @@ def corrected(recipe: Recipe, found: Weighed) -> str:
     if not good:
         raise RecipeError(
             f"{recipe.source}: the keys of [robot] are not where they can be replaced (got no good "
-            f"recipe); write {'; '.join(lines_of(keys))} there by hand."
+            f"recipe); write {'; '.join(correction_lines(keys))} there by hand."
         )
     return text

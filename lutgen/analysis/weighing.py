@@ -83,45 +83,21 @@ class Weighed:
     advice: Advice | None
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Equations ``row . x = value`` of standard deviation 1, and the factor back to readings."""
-
-    row: Floats
-    value: Floats
-    unit: Floats
-
-
 def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
-    """Fit mass and com to readings by least squares.
+    """Fit mass and com of a recipe's robot to readings by least squares.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot as it is described.
-    readings : sequence of Weighing or Tipping
-        The robot stands on the facet on which it rests on level ground, and tips from it.
-
-    Returns
-    -------
-    Weighed
-        What cannot be determined moves as little as the readings need.  If they scatter more than
-        their deviations say, the result's deviations grow with them.
-
-    Raises
-    ------
-    InputError
-        For no readings, unknown contacts, contacts in the air, and loads that no mass explains.
+    The robot stands on the facet on which it rests on level ground, and tips from it.  What cannot
+    be determined moves as little as the readings need.  If they scatter more than their deviations
+    say, the result's deviations grow with them.  Refused are unknown contacts, contacts in the air,
+    and loads that no mass explains.
     """
-    if not readings:
-        raise InputError("there is nothing to weigh with (got no readings); give scales or tilts.")
     start = _start(recipe, readings)
-    estimate, size = start, _size(recipe, readings)
-    scale = np.array([start[0], *(3 * [start[0] * size])])
+    centres = Posture(recipe, readings[0].params).placed.centres[0]
+    size = float(np.linalg.norm(centres, axis=1).max()) or 1.0
+    estimate, scale = start, start[0] * np.array([1.0, size, size, size])
     for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
-        rows = [_equations(recipe, one, estimate) for one in readings]
-        row = np.concatenate([one.row for one in rows])
-        value = np.concatenate([one.value for one in rows])
+        parts = [_equations(recipe, one, estimate) for one in readings]
+        row, value, unit = (np.concatenate(part) for part in zip(*parts, strict=True))
         share = np.linalg.pinv(row * scale, rcond=NOTHING) @ (value - row @ start)
         estimate = start + scale * share
     if not estimate[0] > 0.0:
@@ -132,15 +108,8 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
     mass_std, com_std, spread = _deviations(estimate, grown * covariance, unknown)
     advice = _advice(recipe, readings, estimate, row, scale)
-    return Weighed(
-        float(estimate[0]),
-        mass_std,
-        estimate[1:] / estimate[0],
-        com_std,
-        spread,
-        rest * np.concatenate([one.unit for one in rows]),
-        advice,
-    )
+    mass, shift = float(estimate[0]), estimate[1:] / estimate[0]
+    return Weighed(mass, mass_std, shift, com_std, spread, rest * unit, advice)
 
 
 def _start(recipe: Recipe, readings: Sequence[Reading]) -> Floats:
@@ -148,12 +117,6 @@ def _start(recipe: Recipe, readings: Sequence[Reading]) -> Floats:
     mass = math.fsum(link.mass for link in recipe.links)
     read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
     return np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
-
-
-def _size(recipe: Recipe, readings: Sequence[Reading]) -> float:
-    """Return the largest distance of a contact from the com (length)."""
-    centres = Posture(recipe, readings[0].params).placed.centres[0]
-    return float(np.linalg.norm(centres, axis=1).max()) or 1.0
 
 
 def _seated(
@@ -172,8 +135,8 @@ def _seated(
     return facet, frame @ tilted(slope, heading)
 
 
-def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
-    """Return the equations of one reading, in units of its deviation."""
+def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return equations ``row . x = value`` of a reading, and the unit: the deviation of each."""
     facet, down = _seated(recipe, reading.params, reading.slope, reading.heading)
     if isinstance(reading, Tipping):
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
@@ -184,7 +147,7 @@ def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
         side = stop[edge] - start[edge]
         row = [np.cross(start[edge], stop[edge]) @ down, *-np.cross(side, down)]
         factor = estimate[0] * float(np.linalg.norm(walls[edge])) * reading.accuracy
-        return _Rows(np.array([row]) / factor, np.zeros(1), np.array([reading.accuracy]))
+        return np.array([row]) / factor, np.zeros(1), np.array([reading.accuracy])
     names = [recipe.contact_names[i] for i in facet.touching]
     picked = np.array([[name in group for name in names] for group in reading.loads], np.float64)
     for group in reading.loads:
@@ -199,11 +162,8 @@ def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> _Rows:
     spare = picked @ free
     keep = np.eye(len(picked)) - spare @ np.linalg.pinv(spare)
     value = np.array(list(reading.loads.values()))
-    return _Rows(
-        keep @ picked @ loads / reading.accuracy,
-        keep @ value / reading.accuracy,
-        np.full(len(value), reading.accuracy),
-    )
+    unit = np.full(len(value), reading.accuracy)
+    return keep @ picked @ loads / reading.accuracy, keep @ value / reading.accuracy, unit
 
 
 def _balance(facet: Facet, down: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.errors import InputError
 from lutgen.parts import Wheel
-from lutgen.recipe import Recipe, forward
+from lutgen.recipe import forward
 from lutgen.support import FACE_ANGLE
 from lutgen.vector import Floats
 
@@ -23,6 +23,8 @@ LEVEL = (0.0, 0.0, -1.0)
 # A millionth is what numbers typed with six digits leave over, and axles that cross a million
 # robot sizes away are parallel.
 TOLERANCE = 1e-6
+# Products of speeds, sizes and radii up to this are numbers.
+FASTEST = 1e100
 
 
 @dataclass(frozen=True)
@@ -171,10 +173,9 @@ def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling |
 
 
 def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
-    """Categorise the robot by the degrees of freedom that its wheels leave it.
+    """Return the degrees of freedom that the wheels leave, refusing what `wheel_speeds` refuses.
 
-    Contacts without a wheel are taken to slide or swivel and constrain nothing, like wheels that
-    hover and Swedish wheels.  Parameters and refusals are those of `wheel_speeds`.
+    Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     """
     return _structure(_find_ground(posture, gravity_dir))
 
@@ -196,54 +197,33 @@ def wheel_speeds(
     ----------
     posture : Posture
     velocity : (2,) array_like
-        Velocity of the centre of mass, length per second: along the part of the body's x axis in
-        the contact plane, and to the left of it.
+        Of the centre of mass, length per second: along the part of the body's x axis in the contact
+        plane, and to the left of it.
     yaw_rate : float
-        Angular velocity about the plane's upward normal, rad/s.
+        About the plane's upward normal, rad/s.
     gravity_dir : (3,) array_like
-        Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
+        Down, body frame, any length > 0; it only chooses the support facet.
 
     Returns
     -------
     Motion
         Also of an impossible motion, with its slip.  A steered wheel that is slower than a
         millionth of the motion keeps the angle 0 and the speed 0.
-
-    Raises
-    ------
-    InputError
-        Without wheels or a support facet, where the body's x axis or the axle of a wheel that
-        touches is normal to it, and where the motion is not three finite numbers.
     """
-    asked = np.asarray(velocity, np.float64)
-    if asked.shape != (2,) or not np.isfinite(asked).all():
+    asked = np.array([*np.ravel(velocity), yaw_rate], np.float64)
+    if asked.shape != (3,) or not (np.abs(asked) <= FASTEST).all():
         raise InputError(
-            f"velocity must be two finite numbers (got {asked.tolist()}); give it forward and to "
-            "the left"
+            f"velocity must be two numbers, forward and to the left, and yaw_rate one, of up to "
+            f"{FASTEST:g} (got {asked.tolist()})"
         )
-    if not math.isfinite(yaw_rate):
-        raise InputError(f"yaw_rate must be finite (got {yaw_rate}); give an angle per second")
-    ground = _find_ground(posture, gravity_dir)
-    with np.errstate(over="ignore", invalid="ignore"):
-        motion = _motion(posture.recipe, ground, asked, float(yaw_rate))
-    results = [motion.slip, motion.nearest_yaw_rate, *motion.nearest_velocity]
-    results += [wheel.speed for wheel in motion.wheels if wheel.speed is not None]
-    if not all(map(math.isfinite, results)):
-        raise InputError(
-            f"{posture.recipe.source}: the motion gives wheel speeds beyond all numbers (got "
-            f"velocity {asked.tolist()} and yaw_rate {yaw_rate}); choose a slower one"
-        )
-    return motion
-
-
-def _motion(recipe: Recipe, ground: _Ground, asked: Floats, yaw_rate: float) -> Motion:
-    """Return the motion of the wheels on the ground; what is too large becomes inf or NaN."""
-    motion = np.array([asked[0], asked[1], yaw_rate * ground.size])
+    recipe, ground = posture.recipe, _find_ground(posture, gravity_dir)
+    velocity, yaw_rate = asked[:2], float(asked[2])
+    motion = asked * [1.0, 1.0, ground.size]
     still = TOLERANCE * math.hypot(*motion)
     wheels = tuple(
         WheelMotion(wheel.contact, False, None, None, None)
         if contact is None
-        else _wheel_motion(contact, contact.velocity(asked, yaw_rate), still)
+        else _wheel_motion(contact, contact.velocity(velocity, yaw_rate), still)
         for wheel, contact in zip(recipe.wheels, ground.contacts, strict=True)
     )
     slip = math.hypot(*(wheel.slip or 0.0 for wheel in wheels))

@@ -5,16 +5,13 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import Floats, analysis, devices, evaluation, np, robots
 from lutgen.cli.options import RecipeOptions, command, open_recipe, option
 from lutgen.errors import InputError
-
-if TYPE_CHECKING:
-    from lutgen.recipe import Recipe
-    from lutgen.vector import Floats
 
 # Where the robot accelerates, body frame.
 WAYS = {
@@ -51,7 +48,11 @@ class Options(RecipeOptions):
     )
     turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
     headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
-    bump: float = option(default=0.0, help="Height of a bump below one contact as it stops, m.")
+    bump: float = option(
+        type=given.Number(float, 0.0),
+        default=0.0,
+        help="Height of a bump below one contact as it stops, m.",
+    )
     reads: int = option(
         type=given.Number(int, 1, 32),
         default=4,
@@ -77,8 +78,6 @@ def budget(source: str, options: Options) -> None:
     """
     if not 0.0 < options.turn < math.inf:
         raise InputError(f"--turn: a radius above 0 m (got {options.turn:g}).")
-    if options.bump < 0.0:
-        raise InputError(f"--bump: a height of 0 m or more (got {options.bump:g}).")
     robot, limit = opened(source, options)
     kind = "compiled" if Path(source).is_dir() else "exact"
     rows = budget_rows(robot, limit, postures(robot, options), options, kind == "exact")
@@ -98,13 +97,12 @@ def budget(source: str, options: Options) -> None:
     output.show(report, lines, options.as_json)
 
 
-def opened(source: str, options: Options) -> "tuple[Recipe, Callable[..., Floats]]":
+def opened(source: str, options: Options) -> "tuple[robots.Recipe, Callable[..., Floats]]":
     """Return the robot, and what limits postures under directions of gravity in directions."""
     if Path(source).is_dir():
-        from firmware_export.device import ExportFolder
         from firmware_export.host import budget as read
 
-        folder = ExportFolder(source)
+        folder = devices.ExportFolder(source)
         if folder.integer:
             raise InputError(
                 f"{source}: smap_budget computes with floats (got integer arithmetic); export with "
@@ -113,16 +111,12 @@ def opened(source: str, options: Options) -> "tuple[Recipe, Callable[..., Floats
         return folder.recipe(), lambda params, gravity, way: read(
             folder.blob, params, gravity, way, options.reads
         )[0].astype(float)
-    from lutgen.analysis import budgets
-
     robot = open_recipe(source, options.allow_python)
-    return robot, lambda params, gravity, way: budgets(robot, params, gravity, way)
+    return robot, lambda params, gravity, way: analysis.budgets(robot, params, gravity, way)
 
 
-def postures(robot: "Recipe", options: Options) -> "Floats":
+def postures(robot: "robots.Recipe", options: Options) -> "Floats":
     """Return the postures (p, k)."""
-    import numpy as np
-
     start = given.posture_values(robot, options.assignments)
     if options.over is None:
         return start[None, :]
@@ -135,8 +129,6 @@ def postures(robot: "Recipe", options: Options) -> "Floats":
 
 def slopes_of(text: str) -> "Floats":
     """Return the slopes (s,) that `--slope` names, deg."""
-    import numpy as np
-
     parts = given.finite_numbers(text, ":")
     shapes = {1: (*parts, *parts, 10.0), 2: (*parts, 10.0), 3: parts}
     low, high, step = shapes.get(len(parts), 3 * (math.nan,))
@@ -150,28 +142,23 @@ def slopes_of(text: str) -> "Floats":
 
 
 def budget_rows(
-    robot: "Recipe",
+    robot: "robots.Recipe",
     limit: "Callable[..., Floats]",
     postures: "Floats",
     options: Options,
     stops: bool,
 ) -> list[dict[str, Any]]:
     """Return a row for each posture (p, k) and slope, with speeds of `stops` if they are wanted."""
-    import numpy as np
-
-    from lutgen.analysis import tilted, turn_speed
-    from lutgen.channels import body_gravity
-
     slopes = slopes_of(options.slope)
     params, slope = np.repeat(postures, len(slopes), axis=0), np.tile(slopes, len(postures))
-    ground = tilted(np.radians(slope), math.radians(options.heading))
-    down = body_gravity(robot, params, ground, "plane")
+    ground = analysis.tilted(np.radians(slope), math.radians(options.heading))
+    down = evaluation.body_gravity(robot, params, ground, "plane")
     found = {
         f"{name.replace(' ', '_')}_m_s2": limit(params, down, np.tile(way, (len(params), 1)))
         for name, way in WAYS.items()
     }
     sides = np.minimum(found["turning_left_m_s2"], found["turning_right_m_s2"])
-    found["turn_speed_m_s"] = turn_speed(sides, options.turn)
+    found["turn_speed_m_s"] = analysis.turn_speed(sides, options.turn)
     return [
         {
             "posture": output.by_unit(robot, params[i]),
@@ -184,15 +171,11 @@ def budget_rows(
 
 
 def stop_entries(
-    robot: "Recipe", params: "Floats", down: "Floats", options: Options
+    robot: "robots.Recipe", params: "Floats", down: "Floats", options: Options
 ) -> dict[str, Any]:
     """Return the speeds from which a stop does not tip one posture, by heading (deg)."""
-    import numpy as np
-
-    from lutgen.analysis import Posture, even_headings, stop_speeds
-
-    around = even_headings(options.headings)
-    found = stop_speeds(Posture(robot, params), down, around, options.bump)
+    around = analysis.even_headings(options.headings)
+    found = analysis.stop_speeds(analysis.Posture(robot, params), down, around, options.bump)
     names = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()]
     speeds = dict(zip(names, found.all_at_once.tolist(), strict=True))
     return {"stop_speed_m_s": found.anyhow, "stop_speeds_m_s": speeds}

@@ -4,19 +4,14 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import Floats, np, onboard, searches
 from lutgen.cli.options import command, open_recipe, option, stored_values
 from lutgen.cli.output import VERDICTS, aligned, by_unit, show
 from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError
-
-if TYPE_CHECKING:
-    from firmware_export.control import Loop, Plant, Steering
-    from lutgen.search import Drive
-    from lutgen.search import Path as Ground
-    from lutgen.vector import Floats
 
 # Of a policy that is made here: a cycle at each point of a path, no turn of `up` is too large, and
 # little is given up for smoothness.
@@ -45,13 +40,16 @@ class Options(RunOptions):
         type=float, help="Along the path, length per second.  [default: a cycle at each point]"
     )
     latency: float | None = option(
-        type=float, help="From sample to motion, s; a cycle at least.  [default: the policy's]"
+        type=given.Number(float, 0.0),
+        help="From sample to motion, s; a cycle at least.  [default: the policy's]",
     )
     rate: tuple[tuple[str, float], ...] = given.values(
         help="How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
-        default=0.0, help="Standard deviation of each axis of the accelerometer, m/s2."
+        type=given.Number(float, 0.0),
+        default=0.0,
+        help="Standard deviation of each axis of the accelerometer, m/s2.",
     )
     seed: int = option(default=0, help="Of the noise.")
     no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
@@ -73,23 +71,21 @@ def control(source: str, options: Options) -> None:
     $ lutgen policy maps/paper_two.toml -o fw --cycle 1 --rate alpha=60 --rate gamma=60
     $ lutgen control fw --turn 30 -p alpha=30.96 -p gamma=30.96 --animate ride.gif
     """
-    from firmware_export.control import controlled, ride_along, ride_logged, uncontrolled
-
     check_run(options)
     # Read before a policy is made, which takes its time.
     ground = ground_of(options)
     steering = steering_for(source, options)
     if ground is not None:
-        ride = ride_along(ground, steering.cycle, options.speed)
+        ride = onboard.ride_along(ground, steering.cycle, options.speed)
     else:
-        ride = ride_logged(str(options.log), steering)
+        ride = onboard.ride_logged(str(options.log), steering)
     plant = plant_for(steering, options)
     if ride.driven is not None and not options.assignments:
         start: Floats = ride.driven[0]
     else:
         start = given.posture_values(steering.recipe, options.assignments)
-    loop = controlled(steering, ride, start, plant)
-    runs = {WITHOUT: uncontrolled(steering, ride, start), WITH: loop.drive}
+    loop = onboard.controlled(steering, ride, start, plant)
+    runs = {WITHOUT: onboard.uncontrolled(steering, ride, start), WITH: loop.drive}
     save_run(steering.recipe, runs, columns_of(steering, loop), options)
     late = plant.lag(steering.cycle)
     report = {
@@ -107,10 +103,8 @@ def control(source: str, options: Options) -> None:
     show(report, lines, options.as_json)
 
 
-def steering_for(source: str, options: Options) -> "Steering":
+def steering_for(source: str, options: Options) -> "onboard.Steering":
     """Return the robot and what steers it."""
-    from firmware_export.control import Wishes, steering_in, steering_of
-
     if Path(source).is_dir():
         for name, value in (("objective", options.objective), ("cycle", options.cycle)):
             if value is not None:
@@ -118,12 +112,12 @@ def steering_for(source: str, options: Options) -> "Steering":
                     f"{source}: a folder has its policy (got --{name}); make another one with "
                     "`lutgen policy`."
                 )
-        return steering_in(source)
+        return onboard.steering_in(source)
     robot = open_recipe(source, options.allow_python)
     cycle = CYCLE if options.cycle is None else options.cycle
     # Every parameter goes all the way in a cycle, unless its rate is given.
     at_once = cycle if cycle > 0.0 else 1.0
-    wishes = Wishes(
+    wishes = onboard.Wishes(
         objective=options.objective or "tip_angle",
         within=WITHIN,
         rate=stored_values(robot, options.rate, "--rate")
@@ -132,22 +126,20 @@ def steering_for(source: str, options: Options) -> "Steering":
         latency=max(options.latency or 0.0, 1e-6),
         swerve=ANYHOW,
     )
-    return steering_of(robot, wishes)
+    return onboard.steering_of(robot, wishes)
 
 
-def plant_for(steering: "Steering", options: Options) -> "Plant":
+def plant_for(steering: "onboard.Steering", options: Options) -> "onboard.Plant":
     """Return what is between the C and the ground."""
-    from firmware_export.control import Plant
-
     rates = steering.rates.copy()
     names = [p.name for p in steering.recipe.parameters]
     for name, rate in stored_values(steering.recipe, options.rate, "--rate").items():
         rates[names.index(name)] = rate
     latency = steering.latency if options.latency is None else options.latency
-    return Plant(latency, rates, options.noise, options.seed, not options.no_gyroscope)
+    return onboard.Plant(latency, rates, options.noise, options.seed, not options.no_gyroscope)
 
 
-def ground_of(options: Options) -> "Ground | None":
+def ground_of(options: Options) -> "searches.Path | None":
     """Return the path that is ridden over; None where a log is."""
     if options.log is None:
         return open_terrain(options.terrain, options.turn)
@@ -164,10 +156,8 @@ def ground_of(options: Options) -> "Ground | None":
     return None
 
 
-def columns_of(steering: "Steering", loop: "Loop") -> dict[str, Any]:
+def columns_of(steering: "onboard.Steering", loop: "onboard.Loop") -> dict[str, Any]:
     """Return what `-o` writes: the columns by name, each of n values."""
-    import numpy as np
-
     drive, count = loop.drive, len(loop.moves)
     return {
         "time": (np.arange(count) * steering.cycle).tolist(),
@@ -183,10 +173,8 @@ def columns_of(steering: "Steering", loop: "Loop") -> dict[str, Any]:
     }
 
 
-def runs_report(runs: "Mapping[str, Drive]", loop: "Loop") -> dict[str, Any]:
+def runs_report(runs: "Mapping[str, searches.Drive]", loop: "onboard.Loop") -> dict[str, Any]:
     """Return what `--json` prints of the runs and of what the C did."""
-    import numpy as np
-
     only = runs[WITH].tips & ~runs[WITHOUT].tips
     return {
         "runs": [

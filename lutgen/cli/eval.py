@@ -4,16 +4,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import analysis, charts, devices, evaluation, maps, robots
 from lutgen.cli.options import RecipeOptions, command, log, open_source, posture_values
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from lutgen.analysis import Diagnosis, Posture
-    from lutgen.mapping import StabilityMap
 
 FORCES = (
     "normal_forces normal_forces_kind=forces_kind normal_forces_range=normal_ranges "
@@ -46,20 +43,16 @@ def eval_(source: str, options: Options) -> None:
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
     sdg            0.00253161
     """
-    from lutgen.analysis import Posture
-    from lutgen.chart import gravito_inertial
-    from lutgen.recipe import Recipe
-
     gravity: Sequence[float] = options.gravity
     if options.acceleration is not None:
-        gravity = gravito_inertial(gravity, options.acceleration).tolist()
+        gravity = charts.gravito_inertial(gravity, options.acceleration).tolist()
     if Path(source).is_dir():
         report = export_report(source, options.assignments, gravity)
     else:
         opened = open_source(source, options.allow_python)
-        recipe = opened if isinstance(opened, Recipe) else opened.recipe
-        posture = Posture(recipe, posture_values(recipe, options.assignments))
-        if isinstance(opened, Recipe):
+        recipe = opened if isinstance(opened, robots.Recipe) else opened.recipe
+        posture = analysis.Posture(recipe, posture_values(recipe, options.assignments))
+        if isinstance(opened, robots.Recipe):
             report = exact_report(posture, gravity)
         else:
             report = map_report(opened, posture, gravity)
@@ -67,11 +60,9 @@ def eval_(source: str, options: Options) -> None:
     output.show(report, lines, options.as_json, 0 if report["standing"] else output.TIPS)
 
 
-def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]:
+def exact_report(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[str, Any]:
     """Return the report on one point of a recipe."""
-    from lutgen.analysis import diagnose
-
-    recipe, found = posture.recipe, diagnose(posture, gravity)
+    recipe, found = posture.recipe, analysis.diagnose(posture, gravity)
     rolling = any(contact.rolling for contact in recipe.contacts)
     report: dict[str, Any] = {
         "robot": recipe.name,
@@ -99,7 +90,7 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
             "centroid": found.facet.centroid,
             "pierced": found.pierced,
         }
-    report["com"] = found.com
+    report["com"] = posture.placed.com[0]
     if recipe.com_uncertainty:
         report["com_uncertainty"] = recipe.com_uncertainty
     if recipe.has_wrench:
@@ -107,26 +98,22 @@ def exact_report(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]
     return report
 
 
-def rolling_entries(posture: "Posture", gravity: Sequence[float]) -> dict[str, Any]:
+def rolling_entries(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[str, Any]:
     """Return whether the robot holds or rolls away, and how it tips while it rolls freely."""
-    from lutgen.analysis import holds, may_hold, rolling_gravity, rolls
-    from lutgen.channels import evaluate
-
     entries: dict[str, Any] = {
-        name: bool(verdict(posture, [gravity])[0])
-        for name, verdict in (("holds", holds), ("may_hold", may_hold), ("rolls", rolls))
+        name: bool(getattr(analysis, name)(posture, [gravity])[0])
+        for name in ("holds", "may_hold", "rolls")
     }
-    down = rolling_gravity(posture, gravity)
+    down = analysis.rolling_gravity(posture, gravity)
     if down is not None:
-        angle = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0, 0]
-        entries |= {"rolling_gravity": down, "rolling_tip_angle_deg": output.degrees(angle)}
+        found = evaluation.evaluate(posture.recipe, posture.row, down, ("tip_angle",))
+        angle = output.degrees(found["tip_angle"][0, 0])
+        entries |= {"rolling_gravity": down, "rolling_tip_angle_deg": angle}
     return entries
 
 
-def axis_entry(found: "Diagnosis", index: int) -> dict[str, Any]:
+def axis_entry(found: "analysis.Diagnosis", index: int) -> dict[str, Any]:
     """Return what a report says of one tip-over axis."""
-    from lutgen.analysis import axis_force_angle
-
     axis = found.tip_over_axes[index]
     return {
         "index": index,
@@ -134,13 +121,13 @@ def axis_entry(found: "Diagnosis", index: int) -> dict[str, Any]:
         **output.entries(axis, "tip_angle_deg margin energy_margin"),
         # Under a load there is no such measure of the nominal weight alone.
         "force_angle_rad": None
-        if found.com_uncertainty or len(found.forces)
-        else float(axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
+        if found.posture.recipe.com_uncertainty or found.posture.recipe.forces
+        else float(analysis.axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
     }
 
 
 def map_report(
-    stability_map: "StabilityMap", posture: "Posture", gravity: Sequence[float]
+    stability_map: "maps.StabilityMap", posture: "analysis.Posture", gravity: Sequence[float]
 ) -> dict[str, Any]:
     """Return the report on one point of a map."""
     reading = stability_map.read([posture.params], [gravity])
@@ -167,9 +154,7 @@ def export_report(
     directory: str, assignments: given.Assignments, gravity: Sequence[float]
 ) -> dict[str, Any]:
     """Return the report on one point of an export, which its C answers beyond its range, too."""
-    from firmware_export.device import ExportFolder
-
-    folder = ExportFolder(directory)
+    folder = devices.ExportFolder(directory)
     recipe, content = folder.recipe(), folder.report
     params = given.all_values(recipe, assignments)
     for parameter, value in zip(content["parameters"], params, strict=True):

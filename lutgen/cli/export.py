@@ -8,7 +8,9 @@ from typing import Any
 
 import click
 
+import firmware_export
 from lutgen.cli import options as given
+from lutgen.cli.lazy import folders, maps, onboard
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
 from lutgen.cli.output import aligned, entries, show
 from lutgen.quantities import EXPORTABLE
@@ -59,7 +61,9 @@ class PolicyOptions(FolderOptions):
     within: float = option(
         default=1.0, help="Of all postures within so many deg of the best the smoothest is taken."
     )
-    nodes: int = option(default=9, help="Nodes of the table along either slope.")
+    nodes: int = option(
+        type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
+    )
     slope: float = option(default=45.0, help="Steepest slope of the table, deg.")
     home: tuple[tuple[str, float], ...] = given.values(
         help="Posture where nothing else matters; repeat for each."
@@ -76,7 +80,11 @@ class PolicyOptions(FolderOptions):
     convention: str = given.convention(
         "plane", "body", "Whether the robot leans as its shape makes it, or keeps its attitude."
     )
-    poses: int = option(default=1, help="Poses that a cycle may make of many contacts, 1 or 2.")
+    poses: int = option(
+        type=given.Number(int, 1, 2),
+        default=1,
+        help="Poses that a cycle may make of many contacts, 1 or 2.",
+    )
 
 
 @command("source", ExportOptions)
@@ -90,11 +98,8 @@ def export(source: str, options: ExportOptions) -> None:
     $ lutgen export paper_two.h5 -o firmware
     $ cd firmware && cc -std=c99 -I. paper_two.c examples/read.c && ./a.out
     """
-    from firmware_export import export as run
-    from firmware_export.emit import check_directory
-
     # What is wrong with the folder is said before the source is opened.
-    check_directory(options.output, options.force)
+    folders.check_directory(options.output, options.force)
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()
 
@@ -104,7 +109,7 @@ def export(source: str, options: ExportOptions) -> None:
         log.info("%s", text)
 
     try:
-        report = run(
+        report = firmware_export.export(
             open_source(source, options.allow_python),
             options.output,
             progress=progress,
@@ -120,15 +125,13 @@ def export(source: str, options: ExportOptions) -> None:
 
 def export_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    from firmware_export.emit import bytes_text, errors_of, share
-
     yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    rows = [("flash", bytes_text(report["bytes"]))]
-    for name, errors in errors_of(report).items():
+    rows = [("flash", folders.bytes_text(report["bytes"]))]
+    for name, errors in folders.errors_of(report).items():
         said = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
         rows.append((name, said or "errors not measured"))
     unsafe, guard = report["false_safe"], f"guard {report['guard_deg']:.3g} deg"
-    given_up = f"{share(report['false_tip'])} of the stable configurations reported unsafe"
+    given_up = f"{folders.share(report['false_tip'])} of the stable configurations reported unsafe"
     tested = "not certified" if unsafe is None else f"{unsafe} points said to stand that tip"
     rows.append(("verdict", f"{guard}, {given_up}, {tested}"))
     rows += [("note", note) for note in (report["certificate"] or {}).get("text", ())]
@@ -146,15 +149,10 @@ def policy(source: str, options: PolicyOptions) -> None:
     $ lutgen policy absolem.toml -o firmware --rate front=45 --rate rear=45
     $ cd firmware && cc -std=c99 -I. absolem.c examples/control.c && ./a.out
     """
-    from firmware_export.control import Wishes
-    from firmware_export.control import policy as run
-    from firmware_export.emit import check_directory
-    from lutgen.mapping import StabilityMap
-
-    check_directory(options.output)
+    folders.check_directory(options.output)
     opened = open_source(source, options.allow_python)
-    recipe = opened.recipe if isinstance(opened, StabilityMap) else opened
-    wishes = Wishes(
+    recipe = opened.recipe if isinstance(opened, maps.StabilityMap) else opened
+    wishes = onboard.Wishes(
         **entries(options, "objective nodes cycle latency convention poses"),
         within=math.radians(options.within),
         slope=math.radians(options.slope),
@@ -163,7 +161,7 @@ def policy(source: str, options: PolicyOptions) -> None:
         rate=stored_values(recipe, options.rate, "--rate"),
         delta=stored_values(recipe, options.delta, "--delta"),
     )
-    report, found = run(
+    report, found = onboard.policy(
         opened, options.output, wishes, lambda text: log.info("%s", text), name=options.name
     )
     loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import Floats, maps, proposals, robots
 from lutgen.cli.options import command, finite_numbers, log, option
 from lutgen.cli.output import show
 from lutgen.errors import InputError, RecipeError
+from lutgen.files import check_target, write_text
+from lutgen.parts import Contact
 
 if TYPE_CHECKING:
-    from lutgen.parts import Contact
-    from lutgen.propose import Imported
     from lutgen.urdf.description import UrdfRobot
     from lutgen.urdf.srdf import Standing
-    from lutgen.vector import Floats
 
 STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
@@ -95,9 +95,6 @@ def import_(urdf: str, options: Options) -> None:
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
-    from lutgen.files import check_target, write_text
-    from lutgen.propose import Coupling, import_urdf
-    from lutgen.recipe import merged_recipe, read_text
     from lutgen.urdf.meshes import Meshes
     from lutgen.urdf.sources import Sources
     from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside, standing_posture
@@ -113,22 +110,22 @@ def import_(urdf: str, options: Options) -> None:
     file = Path(options.srdf) if options.srdf is not None else srdf_beside(urdf)
     srdf = None if file is None else load_srdf(file, robot)
     rest = standing_posture(robot, srdf, options.posture, joint_values(robot, options.assignments))
-    made = import_urdf(
+    made = proposals.import_urdf(
         robot,
         named if options.contacts else None,
         points,
         options.joints or None,
         rest.values,
         Meshes(Sources(Path(urdf).parent, packages(options)), hulls),
-        Coupling(options.couples, srdf.groups if srdf is not None else {}),
+        proposals.Coupling(options.couples, srdf.groups if srdf is not None else {}),
     )
     report = import_report(robot, rest, made)
     for words in made.warnings:
         log.warning("%s: %s", urdf, words)
     text = made.text
     if options.merge:
-        old = read_text(options.output)
-        text, report["changed"] = merged_recipe(old, options.output, made.text)
+        old = robots.read_text(options.output)
+        text, report["changed"] = robots.merged_recipe(old, options.output, made.text)
     else:
         check_target(options.output, options.force, text.encode("utf-8"), KEPT)
     write_text(options.output, text, options.force or options.merge)
@@ -136,7 +133,9 @@ def import_(urdf: str, options: Options) -> None:
     show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
 
 
-def import_report(robot: "UrdfRobot", rest: "Standing", made: "Imported") -> dict[str, Any]:
+def import_report(
+    robot: "UrdfRobot", rest: "Standing", made: "proposals.Imported"
+) -> dict[str, Any]:
     """Return what `--json` prints."""
     from lutgen.urdf.joints import read_motion
     from lutgen.urdf.links import centre_of_mass, places
@@ -156,12 +155,10 @@ def import_report(robot: "UrdfRobot", rest: "Standing", made: "Imported") -> dic
     }
 
 
-def warn_unless_standing(made: "Imported") -> None:
+def warn_unless_standing(made: "proposals.Imported") -> None:
     """Say that a recipe is of no use yet where its robot stands in none of its postures."""
-    from lutgen.mapping import require_standing
-
     try:
-        require_standing(made.recipe)
+        maps.require_standing(made.recipe)
     except RecipeError:
         log.warning(
             "%s: %s; choose others with --contact, or correct them in the recipe",
@@ -253,8 +250,6 @@ def pairs(flag: str, form: str, texts: tuple[str, ...]) -> Iterator[tuple[str, s
 
 def point(text: str, index: int) -> "Contact":
     """Return the contact of ``LINK=X,Y,Z[,R]``."""
-    from lutgen.parts import Contact
-
     link, _, numbers = text.rpartition("=")
     values = finite_numbers(numbers)
     if len(values) not in (3, 4) or min(values[3:], default=0.0) < 0.0:

@@ -3,16 +3,13 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import analysis, np, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
-
-if TYPE_CHECKING:
-    from lutgen.analysis import Posture, PostureLimits, SweepLimits
-    from lutgen.recipe import Recipe
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
@@ -52,21 +49,20 @@ def limits(recipe: str, options: Options) -> None:
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
     guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
-    from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
-
     robot = open_recipe(recipe, options.allow_python)
     output.check_outputs(options.force, options.output)
     # Refused before the work, which takes as many as the figure needs.
-    around = even_headings(options.headings)
-    posture = Posture(robot, given.posture_values(robot, options.assignments))
-    found, swept = posture_limits(posture, options.convention), None
+    around = analysis.even_headings(options.headings)
+    posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
+    found, swept = analysis.posture_limits(posture, options.convention), None
     if options.over_all or options.best:
         grid = robot.grid
-        around = even_headings(options.headings * -(-FIGURE // options.headings))
+        around = analysis.even_headings(options.headings * -(-FIGURE // options.headings))
         # Before a row of parameters is made for each.
         way_out = "sweep fewer samples, or ask fewer headings"
         bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
-        swept = sweep_limits(robot, grid.params(range(grid.size)), around, options.convention)
+        rows = grid.params(range(grid.size))
+        swept = analysis.sweep_limits(robot, rows, around, options.convention)
     output.save_figure(
         lambda plot: plot.draw_limits(robot, found, swept, worst=options.over_all),
         options.output,
@@ -93,13 +89,11 @@ def limits(recipe: str, options: Options) -> None:
     output.show(report, limits_lines, options.as_json, 0 if found.stands else output.TIPS)
 
 
-def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
+def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> dict[str, Any]:
     """Return what `--json` prints of one posture; null where there is no value.
 
     Without "ground" in their names tilts are those of the body, and count tipping over alone.
     """
-    import numpy as np
-
     mu, ground = recipe.friction, found.ground
     # Without a worst heading of body tilt that of ground tilt is beside it.
     around = [ground.worst if math.isnan(row.heading) else row.heading for row in found.headings]
@@ -135,28 +129,23 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
     }
 
 
-def share_entry(posture: "Posture", name: str, share: float, convention: str) -> dict[str, Any]:
+def share_entry(
+    posture: "analysis.Posture", name: str, share: float, convention: str
+) -> dict[str, Any]:
     """Return up to which tilts a group or contact carries its share, and the least all round."""
-    import numpy as np
-
-    from lutgen.analysis import FOUR, even_headings, share_limits
-
-    around = share_limits(posture, name, share, even_headings(FIGURE), convention)
-    four = around[np.arange(len(FOUR)) * (FIGURE // len(FOUR))]
-    tilts = {key: down(tilt) for key, tilt in zip(FOUR, four.tolist(), strict=True)}
+    around = analysis.share_limits(posture, name, share, analysis.even_headings(FIGURE), convention)
+    four = around[np.arange(len(analysis.FOUR)) * (FIGURE // len(analysis.FOUR))]
+    tilts = {key: down(tilt) for key, tilt in zip(analysis.FOUR, four.tolist(), strict=True)}
     return {"name": name, "least_share": share, "tilt_deg": tilts, "worst_deg": down(around.min())}
 
 
 def down(angle: float) -> float:
     """Return an angle in deg, from rad, rounded down at its tenth decimal."""
-    from lutgen.analysis import rounded_down
-
-    return rounded_down(math.degrees(angle), 10)
+    return analysis.rounded_down(math.degrees(angle), 10)
 
 
-def all_postures(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
+def all_postures(recipe: "robots.Recipe", swept: "analysis.SweepLimits") -> dict[str, Any]:
     """Return the limits over all postures: in the four headings, and in the worst of each."""
-    from lutgen.analysis import FOUR, WORST
 
     def ends(rows: Sequence[int], tilts: Any, name: str = "tilt") -> dict[str, Any]:
         at = [output.by_unit(recipe, swept.params[row]) for row in rows]
@@ -168,13 +157,13 @@ def all_postures(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
         }
 
     rows = []
-    for i, name in enumerate(FOUR):
+    for i, name in enumerate(analysis.FOUR):
         # The headings go round evenly from the nose to the left.
-        at = i * len(swept.headings) // len(FOUR)
+        at = i * len(swept.headings) // len(analysis.FOUR)
         postures = [int(swept.least_at[at]), int(swept.most_at[at])]
         rows.append({"name": name, **ends(postures, (swept.least[at], swept.most[at]))})
     extremes = [swept.weakest, swept.strongest]
-    rows.append({"name": WORST, **ends(extremes, swept.guaranteed[extremes])})
+    rows.append({"name": analysis.WORST, **ends(extremes, swept.guaranteed[extremes])})
     slopes = swept.guaranteed_ground
     extremes = [int(slopes.argmin()), int(slopes.argmax())]
     return {
@@ -187,10 +176,8 @@ def all_postures(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
 
 def angle_text(angle: float) -> str:
     """Return a limit as text: rounded down, so that what is printed holds, too."""
-    from lutgen.analysis import rounded_down
-
     # The tenth decimal is rounded down already.
-    return "never" if angle >= 180.0 - 1e-9 else f"{rounded_down(angle):.2f} deg"
+    return "never" if angle >= 180.0 - 1e-9 else f"{analysis.rounded_down(angle):.2f} deg"
 
 
 def limits_lines(report: dict[str, Any]) -> Iterator[str]:

@@ -3,23 +3,24 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import analysis, np
 from lutgen.cli.options import RecipeOptions, command, open_recipe, option
-from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from lutgen.analysis import Posture
 
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    tilt: float = given.tilt()
+    tilt: float = option(
+        type=given.Number(float, 0.0, 180.0),
+        default=20.0,
+        help="Of the ground in deg, for the metrics over all headings.",
+    )
     headings: int = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
         default=24,
@@ -37,32 +38,22 @@ def metrics(recipe: str, options: Options) -> None:
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
     """
-    from lutgen.analysis import Posture
-
-    if not 0.0 <= options.tilt <= 180.0:
-        raise InputError(
-            f"--tilt must lie between 0 and 180 deg (got {options.tilt:g}); 20 is the default"
-        )
     robot = open_recipe(recipe, options.allow_python)
-    posture = Posture(robot, given.posture_values(robot, options.assignments))
+    posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     report = metrics_report(posture, options.tilt, options.headings)
     report |= output.posture_entries(robot, posture.params, options.assignments)
     output.show(report, metrics_lines, options.as_json)
 
 
-def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, Any]:
+def metrics_report(posture: "analysis.Posture", tilt: float, headings: int) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
-    import numpy as np
-
-    from lutgen.analysis import compare_metrics, holds, may_hold, tilted
-
     around = np.arange(headings) * (360.0 / headings)
-    down = tilted(math.radians(tilt), np.radians(around))
-    found = compare_metrics(posture, down)
+    down = analysis.tilted(math.radians(tilt), np.radians(around))
+    found = analysis.compare_metrics(posture, down)
     held: list[dict[str, bool]] = [{} for _ in around]
     if any(contact.rolling for contact in posture.recipe.contacts):
-        both = zip(holds(posture, down).tolist(), may_hold(posture, down).tolist(), strict=True)
-        held = [{"holds": one, "may_hold": other} for one, other in both]
+        holds, may = analysis.holds(posture, down), analysis.may_hold(posture, down)
+        held = [{"holds": holds[i], "may_hold": may[i]} for i in range(len(around))]
     return {
         **output.entries(posture.recipe, "robot=name length_unit"),
         "tilt_deg": tilt,

@@ -3,20 +3,17 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import robots, searches
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
 from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
-
-if TYPE_CHECKING:
-    from lutgen.recipe import Recipe
-    from lutgen.search import Optimum
 
 
 @dataclass(frozen=True)
@@ -72,13 +69,11 @@ def optimum(recipe: str, options: Options) -> None:
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    from lutgen.search import optimum as run
-
     robot = open_recipe(recipe, options.allow_python)
     kept = stored_values(robot, options.assignments)
     one = QUANTITIES.get(options.objective.strip())
     box = bounds_of(robot, kept, options)
-    found = run(
+    found = searches.optimum(
         robot,
         options.gravity,
         options.method,
@@ -97,7 +92,7 @@ def optimum(recipe: str, options: Options) -> None:
 
 
 def bounds_of(
-    robot: "Recipe", kept: Mapping[str, float], options: Options
+    robot: "robots.Recipe", kept: Mapping[str, float], options: Options
 ) -> list[tuple[float, float]]:
     """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
     bounds = stored_values(robot, options.bounds, "--bounds")
@@ -117,7 +112,7 @@ def bounds_of(
 
 
 def start_of(
-    robot: "Recipe",
+    robot: "robots.Recipe",
     kept: Mapping[str, float],
     box: Sequence[tuple[float, float]],
     options: Options,
@@ -138,13 +133,13 @@ def entry(key: str, values: Any, unit: str) -> dict[str, Any]:
     return {f"{key}_{unit}" if unit in ("deg", "rad") else key: to_display(values, unit)}
 
 
-def objective_unit(robot: "Recipe", found: "Optimum") -> str:
+def objective_unit(robot: "robots.Recipe", found: "searches.Optimum") -> str:
     """Return the unit of the objective; sums have the channels' units mixed."""
     one = QUANTITIES.get(found.objective.strip())
     return one.shown_unit(robot.length_unit) if one else robot.length_unit
 
 
-def steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
+def steps(robot: "robots.Recipe", found: "searches.Optimum") -> list[dict[str, Any]]:
     """Return the steps of the method."""
     unit = objective_unit(robot, found)
     return [
@@ -160,7 +155,9 @@ def steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
     ]
 
 
-def optimum_report(robot: "Recipe", found: "Optimum", kept: Mapping[str, float]) -> dict[str, Any]:
+def optimum_report(
+    robot: "robots.Recipe", found: "searches.Optimum", kept: Mapping[str, float]
+) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
     last = steps(robot, found)[-1]
     del last["evaluations"]

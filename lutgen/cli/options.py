@@ -6,18 +6,12 @@ import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from lutgen.cli.lazy import Floats, maps, np, robots
 from lutgen.errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from lutgen.mapping import StabilityMap
-    from lutgen.recipe import Recipe
 
 log = logging.getLogger("lutgen")
 
@@ -177,9 +171,6 @@ method = functools.partial(
     default="search",
 )
 output = functools.partial(option, "-o", type=Named())
-tilt = functools.partial(
-    option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
-)
 
 
 def convention(
@@ -218,46 +209,38 @@ class FigureOptions:
     force: bool = force()
 
 
-def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
+def open_source(path: str, allow_python: bool = False) -> "robots.Recipe | maps.StabilityMap":
     """Open a recipe or a map, whichever `path` names."""
     if _is_map(path):
-        from lutgen.mapping import load_map
-
-        return load_map(path)
-    from lutgen.recipe import load_recipe
-
-    return load_recipe(path, allow_python=allow_python)
+        return maps.load_map(path)
+    return robots.load_recipe(path, allow_python=allow_python)
 
 
-def open_recipe(path: str, allow_python: bool = False) -> "Recipe":
+def open_recipe(path: str, allow_python: bool = False) -> "robots.Recipe":
     """Open a recipe, also the one inside a map; its code is looked for beside the map."""
-    from lutgen.recipe import Recipe, parse_recipe
-
     opened = open_source(path, allow_python)
-    if isinstance(opened, Recipe):
+    if isinstance(opened, robots.Recipe):
         return opened
     recipe = opened.recipe
     if recipe.python is None:
         return recipe
     # A map leaves the code alone, and so has a robot without contacts.
-    return parse_recipe(recipe.text, recipe.source, allow_python, urdf=recipe.urdf)
+    return robots.parse_recipe(recipe.text, recipe.source, allow_python, urdf=recipe.urdf)
 
 
 def _is_map(path: str) -> bool:
-    from lutgen.recipe import HDF5
-
     if path.endswith(MAPS):
         return True
     try:
         with Path(path).open("rb") as file:
-            return file.read(len(HDF5)) == HDF5
+            return file.read(len(robots.HDF5)) == robots.HDF5
     except OSError:
         # What opens it says why it cannot be opened.
         return False
 
 
 def named_values(
-    recipe: "Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
+    recipe: "robots.Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
 ) -> dict[str, Any]:
     """Return what an option gives parameters by name, a number each or (low, high), as written."""
     known = [p.name for p in recipe.parameters]
@@ -276,7 +259,7 @@ def named_values(
 
 
 def stored_values(
-    recipe: "Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
+    recipe: "robots.Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
 ) -> dict[str, Any]:
     """Return the same in rad or the recipe's length."""
     found = named_values(recipe, given, flag)
@@ -289,24 +272,20 @@ def stored_values(
     }
 
 
-def all_values(recipe: "Recipe", given: Assignments) -> "NDArray[np.float64]":
+def all_values(recipe: "robots.Recipe", given: Assignments) -> "Floats":
     """Return all parameters (rad, length): those not given at `home`, or in mid range."""
-    import numpy as np
-
     found = dict(zip((p.name for p in recipe.parameters), recipe.home_params, strict=True))
     return np.array([*(found | stored_values(recipe, given)).values()], np.float64)
 
 
-def posture_values(recipe: "Recipe", given: Assignments) -> "NDArray[np.float64]":
+def posture_values(recipe: "robots.Recipe", given: Assignments) -> "Floats":
     """Return the same, within the limits; InputError is raised for a value beyond them."""
-    from lutgen.recipe import within_limits
-
     params = all_values(recipe, given)
-    within_limits(recipe, [params])
+    robots.within_limits(recipe, [params])
     return params
 
 
-def posture_source(recipe: "Recipe", given: Assignments) -> str:
+def posture_source(recipe: "robots.Recipe", given: Assignments) -> str:
     """Return where the posture comes from that `posture_values` gives; "" if all of it is given."""
     names = [p.name for p in recipe.parameters]
     rest = [name for name in names if name not in dict(given)]

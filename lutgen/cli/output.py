@@ -3,20 +3,16 @@
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from lutgen.cli.lazy import Floats, figures, robots
 from lutgen.cli.options import Assignments, FigureOptions, posture_source
 from lutgen.errors import one_line
-from lutgen.files import plain
+from lutgen.files import check_target, csv_text, plain, write_text
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from lutgen.recipe import Recipe
 
 # Exit code of a question whose answer is no.
 NO = 1
@@ -85,7 +81,7 @@ def channel_entries(values: Mapping[str, float]) -> dict[str, Any]:
     return entries
 
 
-def by_unit(recipe: "Recipe", params: "NDArray[Any]", ending: str = "") -> dict[str, Any]:
+def by_unit(recipe: "robots.Recipe", params: "Floats", ending: str = "") -> dict[str, Any]:
     """Return parameters (..., k) in their display units, named with them: numbers or lists."""
     entries = {}
     for i, p in enumerate(recipe.parameters):
@@ -94,7 +90,9 @@ def by_unit(recipe: "Recipe", params: "NDArray[Any]", ending: str = "") -> dict[
     return entries
 
 
-def posture_entries(recipe: "Recipe", params: "NDArray[Any]", given: Assignments) -> dict[str, Any]:
+def posture_entries(
+    recipe: "robots.Recipe", params: "Floats", given: Assignments
+) -> dict[str, Any]:
     """Return what a report says of a posture that was not given whole; else nothing."""
     source = posture_source(recipe, given)
     return {"posture": by_unit(recipe, params), "posture_from": source} if source else {}
@@ -158,8 +156,6 @@ def file_size(count: float) -> str:
 
 def check_outputs(force: bool, *paths: str | None) -> None:
     """Refuse, before the work, to write figures and films where lutgen made nothing."""
-    from lutgen.files import check_target
-
     for path in paths:
         if path is not None:
             check_target(path, force)
@@ -168,16 +164,12 @@ def check_outputs(force: bool, *paths: str | None) -> None:
 def save_figure(draw: Callable[[Any], Any], path: str | None, options: FigureOptions) -> None:
     """Let a figure be drawn by `lutgen.plot` and write it, if it has a path."""
     if path is not None:
-        from lutgen import plot
-
-        with plot.on_sheet(options.size, options.style):
-            plot.save(draw(plot), path, force=options.force)
+        with figures.on_sheet(options.size, options.style):
+            figures.save(draw(figures), path, force=options.force)
 
 
 def save_columns(columns: Mapping[str, Sequence[Any]], path: str | None, force: bool) -> None:
     """Write columns of equal length as CSV, if there is a path."""
     if path is not None:
-        from lutgen.files import csv_text, write_text
-
         text = csv_text(list(columns), zip(*columns.values(), strict=True))
         write_text(path, text, force)

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import devices
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 from lutgen.cli.output import check_outputs, entries, show, silent
 from lutgen.errors import InputError
+from lutgen.files import write_text
 
 ENDINGS = (".html", ".htm")
 
@@ -39,7 +41,6 @@ def explore(source: str, options: ExploreOptions) -> None:
     $ lutgen explore recipe:absolem -o absolem.html
     """
     from firmware_export.explore import answers_of_export, answers_of_recipe, page_text
-    from lutgen.files import write_text
 
     suffix = Path(options.output).suffix.lower()
     if suffix not in ENDINGS:
@@ -49,9 +50,7 @@ def explore(source: str, options: ExploreOptions) -> None:
         )
     check_outputs(options.force, options.output)
     if Path(source).is_dir():
-        from firmware_export.device import ExportFolder
-
-        folder = ExportFolder(source)
+        folder = devices.ExportFolder(source)
         recipe, answers = folder.recipe(), answers_of_export(folder)
     else:
         recipe = open_recipe(source, options.allow_python)

@@ -3,19 +3,15 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import Floats, figures, np, robots, searches
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from lutgen.recipe import Recipe
-    from lutgen.search import Drive, Path
 
 PAPER, POINTS = "paper", 100
 
@@ -40,13 +36,16 @@ class Options(RunOptions):
         help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
         "nx,ny,nz.",
     )
-    points: int | None = option(type=int, help=f"Of the paper's path.  [default: {POINTS}]")
+    points: int | None = option(
+        type=given.Number(int, 2, bounds.POINTS.most),
+        help=f"Of the paper's path.  [default: {POINTS}]",
+    )
     turn: float = option(
         default=0.0,
         help="Turn the robot by this angle against the path's heading, deg, to the left.",
     )
     no_control: bool = option(is_flag=True, help="Only drive without changing the shape.")
-    lag: int = option(default=1, help="Points by which control is late.")
+    lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
         default="sdg",
@@ -60,7 +59,10 @@ class Options(RunOptions):
         help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
     speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
-    headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
+    headings: int | None = option(
+        type=given.Number(int, 1, bounds.HEADINGS.most),
+        help="Let the robot turn, too, to this many headings.",
+    )
 
 
 @command("recipe", Options)
@@ -86,15 +88,13 @@ def path(recipe: str, options: Options) -> None:
 def check_run(options: RunOptions) -> None:
     """Refuse outputs that cannot be written before the runs, which take their time."""
     if options.animate is not None:
-        from lutgen.plot import check_animation
-
-        check_animation(options.animate)
+        figures.check_animation(options.animate)
     output.check_outputs(options.force, options.plot, options.animate)
 
 
 def save_run(
-    robot: "Recipe",
-    runs: "Mapping[str, Drive]",
+    robot: "robots.Recipe",
+    runs: "Mapping[str, searches.Drive]",
     columns: Mapping[str, Any],
     options: RunOptions,
 ) -> None:
@@ -102,15 +102,11 @@ def save_run(
     output.save_columns(columns, options.output, options.force)
     output.save_figure(lambda plot: plot.draw_path(robot, runs), options.plot, options)
     if options.animate is not None:
-        from lutgen.plot import animate
-
-        animate(robot, runs, options.animate, options.force)
+        figures.animate(robot, runs, options.animate, options.force)
 
 
-def drives(robot: "Recipe", options: Options) -> "dict[str, Drive]":
+def drives(robot: "robots.Recipe", options: Options) -> "dict[str, searches.Drive]":
     """Return the runs by name: with the fixed shape first, with all that is allowed last."""
-    from lutgen.search import drive
-
     ground = open_terrain(options.terrain, options.turn, options.points)
     start = given.posture_values(robot, options.assignments)
     rates = given.stored_values(robot, options.rates, "--rate")
@@ -120,8 +116,8 @@ def drives(robot: "Recipe", options: Options) -> "dict[str, Drive]":
             "leave one of them out"
         )
 
-    def run(control: bool, headings: int | None) -> "Drive":
-        return drive(
+    def run(control: bool, headings: int | None) -> "searches.Drive":
+        return searches.drive(
             robot,
             ground,
             control=control,
@@ -143,25 +139,21 @@ def drives(robot: "Recipe", options: Options) -> "dict[str, Drive]":
     }
 
 
-def open_terrain(terrain: str, turn: float, points: int | None = None) -> "Path":
+def open_terrain(terrain: str, turn: float, points: int | None = None) -> "searches.Path":
     """Return the paper's path or that of a file, with the robot turned by an angle (deg)."""
-    from lutgen.search import paper_path, read_path, turned
-
     if terrain == PAPER:
-        ground = paper_path(POINTS if points is None else points)
+        ground = searches.paper_path(POINTS if points is None else points)
     elif points is not None:
         raise InputError(
             f"{terrain}: a file has the points that it has (got --points {points}); leave it out"
         )
     else:
-        ground = read_path(terrain)
-    return turned(ground, math.radians(turn)) if turn else ground
+        ground = searches.read_path(terrain)
+    return searches.turned(ground, math.radians(turn)) if turn else ground
 
 
-def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
+def table(recipe: "robots.Recipe", run: "searches.Drive") -> dict[str, Any]:
     """Return what `-o` writes: the columns of a run by name, each of p numbers."""
-    import numpy as np
-
     columns: dict[str, Any] = vector_columns("", run.path.position)
     columns["heading_deg"] = np.degrees(run.heading).tolist()
     columns |= output.by_unit(recipe, run.params)
@@ -175,12 +167,14 @@ def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
     return columns
 
 
-def vector_columns(name: str, vectors: "NDArray[Any]") -> dict[str, list[float]]:
+def vector_columns(name: str, vectors: "Floats") -> dict[str, list[float]]:
     """Return the columns of vectors (p, 3)."""
     return {f"{name}{axis}": part for axis, part in zip("xyz", vectors.T.tolist(), strict=True)}
 
 
-def path_report(recipe: "Recipe", runs: "Mapping[str, Drive]", options: Options) -> dict[str, Any]:
+def path_report(
+    recipe: "robots.Recipe", runs: "Mapping[str, searches.Drive]", options: Options
+) -> dict[str, Any]:
     """Return what `--json` prints; null where a number is not finite."""
     ground = next(iter(runs.values())).path
     return {
@@ -195,10 +189,8 @@ def path_report(recipe: "Recipe", runs: "Mapping[str, Drive]", options: Options)
     }
 
 
-def run_entry(recipe: "Recipe", name: str, run: "Drive") -> dict[str, Any]:
+def run_entry(recipe: "robots.Recipe", name: str, run: "searches.Drive") -> dict[str, Any]:
     """Return what a report says of one run."""
-    import numpy as np
-
     angle = run.channels["tip_angle"]
     return {
         "name": name,
@@ -216,10 +208,8 @@ def run_entry(recipe: "Recipe", name: str, run: "Drive") -> dict[str, Any]:
     }
 
 
-def tilts(down: "NDArray[Any]") -> "NDArray[Any]":
+def tilts(down: "Floats") -> "Floats":
     """Return the angles (deg) of directions (p, 3) from straight down."""
-    import numpy as np
-
     return np.asarray(np.degrees(np.arctan2(np.hypot(down[:, 0], down[:, 1]), -down[:, 2])))
 
 

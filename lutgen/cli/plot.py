@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import figures, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, open_source, option
 from lutgen.cli.output import check_outputs, entries, show, silent
 
@@ -48,24 +49,21 @@ def plot(source: str, options: Options) -> None:
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
-    from lutgen.plot import draw, on_sheet, save
-    from lutgen.recipe import Recipe
-
     check_outputs(options.force, options.output)
     opened = open_source(source, options.allow_python)
-    recipe = opened if isinstance(opened, Recipe) else opened.recipe
+    recipe = opened if isinstance(opened, robots.Recipe) else opened.recipe
     axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
     if origin := given.posture_source(recipe, options.assignments):
         log.info("parameters without a value: %s", origin)
-    with on_sheet(options.size, options.style):
-        figure = draw(
+    with figures.on_sheet(options.size, options.style):
+        figure = figures.draw(
             options.kind,
             opened,
             params=given.named_values(recipe, options.assignments),
             axes=axes,
             **entries(options, "gravity channel convention scale"),
         )
-        save(figure, options.output, force=options.force)
+        figures.save(figure, options.output, force=options.force)
     report = {
         **entries(recipe, "robot=name digest"),
         "source": source,

@@ -7,19 +7,18 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, as_json, command, log, open_recipe, option, output
+from lutgen.cli import options as given
+from lutgen.cli.lazy import Axis, analysis, maps, np, proposals, robots
+from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 from lutgen.cli.output import aligned, by_unit, entries, file_size, posture_text, show, unit_text
 from lutgen.errors import InputError
+from lutgen.files import write_text
+from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from lutgen.grid import Axis
-    from lutgen.parts import Parameter
-    from lutgen.recipe import Recipe
 
 # Links that a warning lists.
 SHOWN = 6
@@ -27,15 +26,15 @@ SHOWN = 6
 
 @dataclass(frozen=True)
 class RecipesOptions:
-    as_json: bool = as_json()
+    as_json: bool = given.as_json()
 
 
 @dataclass(frozen=True)
 class NewOptions:
-    output: str | None = output(help="Recipe to write (.toml).")
+    output: str | None = given.output(help="Recipe to write (.toml).")
     list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
     force: bool = option(is_flag=True, help="Write over a file that is there.")
-    as_json: bool = as_json()
+    as_json: bool = given.as_json()
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,7 @@ class SchemaOptions:
 
 def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
     """Return the names that begin so, for the completion of a shell."""
-    from lutgen.recipe import gallery_names
-
-    return [name for name in gallery_names() if name.startswith(incomplete)]
+    return [name for name in robots.gallery_names() if name.startswith(incomplete)]
 
 
 NAME = click.Argument(["name"], required=False, shell_complete=completed)
@@ -64,22 +61,19 @@ def recipes(name: str | None, options: RecipesOptions) -> None:
     $ lutgen sweep recipe:absolem -o absolem.h5
     $ lutgen recipes absolem > mine.toml
     """
-    from lutgen.recipe import gallery_names, gallery_text
-
     if name is not None:
-        text = gallery_text(name)
+        text = robots.gallery_text(name)
         report = {**recipe_entry(name), "text": text}
         show(report, lambda report: report["text"].splitlines(), options.as_json)
     else:
-        show({"recipes": [*map(recipe_entry, gallery_names())]}, recipes_lines, options.as_json)
+        report = {"recipes": [*map(recipe_entry, robots.gallery_names())]}
+        show(report, recipes_lines, options.as_json)
 
 
 def recipe_entry(name: str) -> dict[str, Any]:
     """Return what `--json` prints of one recipe."""
-    from lutgen.recipe import GALLERY, load_recipe
-
-    source = f"{GALLERY}{name.removeprefix(GALLERY)}"
-    recipe = load_recipe(source)
+    source = f"{robots.GALLERY}{name.removeprefix(robots.GALLERY)}"
+    recipe = robots.load_recipe(source)
     head = re.match(r"(?:#[^\n]*\n)*", recipe.text)
     words = " ".join(line.lstrip("# ") for line in (head[0] if head else "").splitlines())
     return {
@@ -116,10 +110,7 @@ def new(kind: str | None, options: NewOptions) -> None:
     $ lutgen new tracks -o robot.toml
     $ lutgen new --list
     """
-    from lutgen.files import write_text
-    from lutgen.recipe import start_recipe, start_recipes
-
-    kinds = start_recipes()
+    kinds = robots.start_recipes()
     if options.list_kinds:
         show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()), options.as_json)
         return
@@ -129,7 +120,7 @@ def new(kind: str | None, options: NewOptions) -> None:
             f"lutgen new: needs {missing} (got none); write for example "
             "`lutgen new wheels -o robot.toml`, or `lutgen new --list`."
         )
-    write_text(options.output, start_recipe(kind), options.force)
+    write_text(options.output, robots.start_recipe(kind), options.force)
     show(
         {"kind": kind, "recipe": options.output},
         lambda report: [f"{report['recipe']}: {kinds[kind]}"],
@@ -147,9 +138,7 @@ def schema(options: SchemaOptions) -> None:
     \b
     $ lutgen schema > recipe.schema.json
     """
-    from lutgen.recipe import recipe_schema
-
-    click.echo(json.dumps(recipe_schema(), indent=2, allow_nan=False))
+    click.echo(json.dumps(robots.recipe_schema(), indent=2, allow_nan=False))
 
 
 @command("recipe", RecipeOptions)
@@ -163,27 +152,18 @@ def check(recipe: str, options: RecipeOptions) -> None:
     $ lutgen check maps/paper_two.toml
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
-    from lutgen.mapping import require_standing
-
     robot = open_recipe(recipe, options.allow_python)
-    require_standing(robot)
+    maps.require_standing(robot)
     report = check_report(robot)
     for warning in report["warnings"]:
         log.warning("%s", warning)
     show(report, check_lines, options.as_json)
 
 
-def check_report(robot: "Recipe") -> dict[str, Any]:
+def check_report(robot: "robots.Recipe") -> dict[str, Any]:
     """Return what `--json` prints."""
-    import numpy as np
-
-    from lutgen.cli.options import posture_source
-    from lutgen.mapping import expected_seconds
-    from lutgen.propose import recipe_doubts
-    from lutgen.recipe import postures
-
     home = np.array(robot.home_params)
-    _, com = postures(robot, home[None])
+    _, com = robots.postures(robot, home[None])
     value_bytes = sum(1 if QUANTITIES[name].words else 4 for name in robot.channels)
     return {
         **entries(robot, "name digest length_unit contacts=contact_names"),
@@ -192,7 +172,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "forces": [force.name for force in robot.forces],
         "axles": {axle.name: axle.contacts for axle in robot.axles},
         "posture": by_unit(robot, home),
-        "posture_from": posture_source(robot, ()),
+        "posture_from": given.posture_source(robot, ()),
         "mass": sum(link.mass for link in robot.links) if robot.python is None else None,
         "com": np.where(np.abs(com[0]) < 1e-12, 0.0, com[0]),
         "parameters": {
@@ -202,21 +182,21 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "chart": entries(robot.chart, "kind shape"),
         **entries(robot, "channels nodes"),
         "file_bytes": robot.nodes * value_bytes,
-        "seconds": round(expected_seconds(robot), 3),
+        "seconds": round(maps.expected_seconds(robot), 3),
         "snapped": robot.snapped,
-        "warnings": [*recipe_doubts(robot), *(home_warnings(robot) if robot.home else ())],
+        "warnings": [*proposals.recipe_doubts(robot), *home_warnings(robot)],
     }
 
 
-def home_warnings(robot: "Recipe") -> Iterator[str]:
+def home_warnings(robot: "robots.Recipe") -> Iterator[str]:
     """Return what keeps the robot from standing on its contacts at `home`, as far as known."""
-    from lutgen.analysis import Posture, below_ground, diagnose
-
-    posture = Posture(robot, robot.home_params)
-    found = diagnose(posture, (0.0, 0.0, -1.0))
+    if not robot.home:
+        return
+    posture = analysis.Posture(robot, robot.home_params)
+    found = analysis.diagnose(posture, (0.0, 0.0, -1.0))
     if found.facet is None or not found.standing:
         yield "at its `home` the robot tips over on level ground"
-    below = {} if found.facet is None else below_ground(posture, found.facet)
+    below = {} if found.facet is None else analysis.below_ground(posture, found.facet)
     if below:
         unit = unit_text(robot.length_unit)
         parts = [f"{name} {depth:.3g}{unit}" for name, depth in below.items()]

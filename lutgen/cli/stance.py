@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import analysis, charts, np
 from lutgen.cli.options import FigureOptions, command, option
 from lutgen.cli.output import TIPS, aligned, cell, entries, save_figure, show, unit_text
-
-if TYPE_CHECKING:
-    from lutgen.analysis import Equilibrium, Footing
 
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
 # The frame's own axes have names.
@@ -39,11 +37,7 @@ def stance(file: str, options: Options) -> None:
     $ lutgen stance stair.toml -g 0.1,0,-1
     stair: holds
     """
-    import numpy as np
-
-    from lutgen.analysis import read_footing
-
-    footing = read_footing(file)
+    footing = analysis.read_footing(file)
     if options.gravity is not None:
         footing = replace(footing, gravity_dir=np.array(options.gravity))
     found = footing.equilibrium()
@@ -57,13 +51,9 @@ def stance(file: str, options: Options) -> None:
     show(report, stance_lines, options.as_json, 0 if found.holds else TIPS)
 
 
-def feet(footing: "Footing", found: "Equilibrium") -> Iterator[dict[str, Any]]:
+def feet(footing: "analysis.Footing", found: "analysis.Equilibrium") -> Iterator[dict[str, Any]]:
     """Return one entry for each foot; null where the weight is not held."""
-    import numpy as np
-
-    from lutgen.chart import unit_directions
-
-    for i, up in enumerate(unit_directions(footing.normals)):
+    for i, up in enumerate(charts.unit_directions(footing.normals)):
         mu = float(footing.friction[i])
         force = normal = used = None
         if found.forces is not None:

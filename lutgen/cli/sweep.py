@@ -5,18 +5,17 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from lutgen.cli import options as given
+from lutgen.cli.lazy import maps
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 from lutgen.cli.output import cell, entries, file_size, show, silent
 from lutgen.cli.recipes import axis_entry, grid_lines
+from lutgen.errors import MapFileError
 from lutgen.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from lutgen.mapping import StabilityMap
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,6 @@ def sweep(recipe: str, options: SweepOptions) -> None:
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
-    from lutgen.mapping import sweep as run
-
     robot = open_recipe(recipe, options.allow_python)
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     start = time.perf_counter()
@@ -71,7 +68,7 @@ def sweep(recipe: str, options: SweepOptions) -> None:
             bar.update(done - bar.pos, f"{rate:.1f} M nodes/s")
 
         try:
-            run(
+            maps.sweep(
                 robot,
                 options.output,
                 progress=progress,
@@ -110,23 +107,18 @@ def info(map_file: str, options: InfoOptions) -> None:
     \b
     $ lutgen info paper_two.h5 --verify
     """
-    from lutgen.errors import MapFileError
-    from lutgen.mapping import load_map, verify
-
-    stability_map = load_map(map_file, options.unsealed)
+    stability_map = maps.load_map(map_file, options.unsealed)
     if options.verify:
         try:
-            verify(stability_map)
+            maps.verify(stability_map)
         except MapFileError as error:
             raise click.ClickException(str(error)) from error
     report = info_report(stability_map) | ({"verified": True} if options.verify else {})
     show(report, info_lines, options.as_json)
 
 
-def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
+def info_report(stability_map: "maps.StabilityMap") -> dict[str, Any]:
     """Return what `--json` prints."""
-    from lutgen.mapping import share_that_tips
-
     recipe, attributes = stability_map.recipe, stability_map.attributes
     return {
         "title": str(attributes["title"]),
@@ -140,16 +132,14 @@ def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
         ],
         "chart": entries(recipe.chart, "kind shape"),
         "channels": [channel_entry(stability_map, name) for name in stability_map.channels],
-        "share_that_tips": share_that_tips(stability_map),
+        "share_that_tips": maps.share_that_tips(stability_map),
         "recipe_sha256": str(attributes["recipe_sha256"]),
     }
 
 
-def channel_entry(stability_map: "StabilityMap", name: str) -> dict[str, Any]:
+def channel_entry(stability_map: "maps.StabilityMap", name: str) -> dict[str, Any]:
     """Return the range of a channel; nulls where it has no number at all."""
-    from lutgen.mapping import channel_range
-
-    low, high = channel_range(stability_map, name)
+    low, high = maps.channel_range(stability_map, name)
     one, length = QUANTITIES[name], stability_map.recipe.length_unit
     if low is None or high is None:
         return {"name": name, "unit": one.stored_unit(length), "min": low, "max": high}

@@ -3,19 +3,14 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import Floats, analysis, np, robots, searches
 from lutgen.cli.options import Named, RecipeOptions, command, open_recipe, option
 from lutgen.errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing
-    from lutgen.recipe import Recipe
+from lutgen.files import write_text
 
 GROUND = ("slope_deg", "heading_deg")
 # Accuracy of a scale unless it is given: this part of the largest reading.
@@ -54,26 +49,20 @@ def weigh(recipe: str, options: Options) -> None:
     \b
     $ lutgen weigh robot.toml --scales scales.csv -o weighed.toml
     """
-    from lutgen.analysis.weighed_recipe import corrected, correction
-    from lutgen.analysis.weighing import weigh as fit
-    from lutgen.files import write_text
-
     robot = open_recipe(recipe, options.allow_python)
-    readings: list[Reading] = [*scale_readings(robot, options), *tilt_readings(robot, options)]
+    readings: list[analysis.Reading] = [*scale_readings(robot, options)]
+    readings += tilt_readings(robot, options)
     if not readings:
         raise InputError("--scales, --tilt: neither is given (got no file); give one of them.")
-    found = fit(robot, readings)
+    found = analysis.weigh(robot, readings)
     if options.output is not None:
-        write_text(options.output, corrected(robot, found), options.force)
-    report = weigh_report(robot, readings, found) | {"keys": correction(robot, found)}
+        write_text(options.output, analysis.corrected(robot, found), options.force)
+    report = weigh_report(robot, readings, found) | {"keys": analysis.correction(robot, found)}
     output.show(report, weigh_lines, options.as_json)
 
 
-def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
+def scale_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Weighing]":
     """Return the weighings of the file of scales."""
-    from lutgen.analysis.weighing import Weighing
-    from lutgen.search import check_columns, read_rows
-
     if options.scales is None:
         return []
     others = (*GROUND, *(p.name for p in robot.parameters))
@@ -81,14 +70,14 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     def check(source: str, names: list[str]) -> None:
         scales = [name for name in names if {*name.split("+")} <= {*robot.contact_names}]
         known = dict.fromkeys((*robot.contact_names, *scales, *others))
-        check_columns(source, names, (), [*known])
+        searches.check_columns(source, names, (), [*known])
         if not scales:
             raise InputError(
                 f"{source}: line 1 names no scale (got {','.join(names)}); name contacts: "
                 f"{', '.join(robot.contact_names)}."
             )
 
-    rows, _ = read_rows(options.scales, check, "there is no weighing", 1)
+    rows, _ = searches.read_rows(options.scales, check, "there is no weighing", 1)
     scales = [name for name in rows if name not in others]
     for name in scales:
         if (rows[name] < 0.0).any():
@@ -103,32 +92,29 @@ def scale_readings(robot: "Recipe", options: Options) -> "list[Weighing]":
     readings = []
     for i, (params, ground) in enumerate(poses(robot, rows)):
         loads = {tuple(name.split("+")): float(rows[name][i]) for name in scales}
-        readings.append(Weighing(params, loads, accuracy, *ground))
+        readings.append(analysis.Weighing(params, loads, accuracy, *ground))
     return readings
 
 
-def tilt_readings(robot: "Recipe", options: Options) -> "list[Tipping]":
+def tilt_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Tipping]":
     """Return the tilts of the file of tilts."""
-    from lutgen.analysis.weighing import Tipping
-    from lutgen.search import check_columns, read_rows
-
     if options.tilt is None:
         return []
     if not options.angle_accuracy > 0.0:
         raise InputError(f"--angle-accuracy: must be above 0 deg (got {options.angle_accuracy:g}).")
     known = (*GROUND, *(p.name for p in robot.parameters))
-    rows, _ = read_rows(
+    rows, _ = searches.read_rows(
         options.tilt,
-        lambda source, names: check_columns(source, names, GROUND, known),
+        lambda source, names: searches.check_columns(source, names, GROUND, known),
         "there is no tilt",
         1,
     )
     accuracy = math.radians(options.angle_accuracy)
-    return [Tipping(params, *ground, accuracy) for params, ground in poses(robot, rows)]
+    return [analysis.Tipping(params, *ground, accuracy) for params, ground in poses(robot, rows)]
 
 
 def poses(
-    robot: "Recipe", rows: "dict[str, NDArray[np.float64]]"
+    robot: "robots.Recipe", rows: "dict[str, Floats]"
 ) -> "Iterator[tuple[tuple[float, ...], tuple[float, float]]]":
     """Yield posture (rad, length), slope and heading (rad) of each row."""
     for i in range(len(next(iter(rows.values())))):
@@ -141,12 +127,10 @@ def poses(
         yield tuple(given.posture_values(robot, tuple(posture)).tolist()), (slope, heading)
 
 
-def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -> dict[str, Any]:
+def weigh_report(
+    robot: "robots.Recipe", readings: "list[analysis.Reading]", found: "analysis.Weighed"
+) -> dict[str, Any]:
     """Return what `--json` prints; null where nothing is known."""
-    import numpy as np
-
-    from lutgen.analysis.weighing import Weighing
-
     entries, rest = [], iter(found.residuals.tolist())
     advice: dict[str, Any] | None = None
     if found.advice is not None:
@@ -154,7 +138,7 @@ def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -
         known = output.entries(found.advice, "slope_deg heading_deg com_std")
         advice = {"posture": posture, **known}
     for one in readings:
-        if isinstance(one, Weighing):
+        if isinstance(one, analysis.Weighing):
             for group, load in one.loads.items():
                 entries.append({"scale": "+".join(group), "kg": load, "residual_kg": next(rest)})
         else:
@@ -175,8 +159,6 @@ def weigh_report(robot: "Recipe", readings: "list[Reading]", found: "Weighed") -
 
 def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    from lutgen.analysis.weighed_recipe import lines_of
-
     unit = output.unit_text(report["length_unit"])
     cell = output.cell
     yield f"{report['robot']}: {len(report['readings'])} readings"
@@ -213,4 +195,4 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
             f"com to {cell(advice['com_std'], '.2g', unit)}"
         )
     yield "correction, under [robot]:"
-    yield from (f"  {line}" for line in lines_of(report["keys"]))
+    yield from (f"  {line}" for line in analysis.correction_lines(report["keys"]))

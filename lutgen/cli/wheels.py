@@ -3,15 +3,12 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
+from lutgen.cli.lazy import analysis, robots
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
-
-if TYPE_CHECKING:
-    from lutgen.analysis import Motion
-    from lutgen.recipe import Recipe
 
 
 @dataclass(frozen=True)
@@ -37,12 +34,10 @@ def wheels(recipe: str, options: Options) -> None:
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
-    from lutgen.analysis import Posture, wheel_speeds
-
     robot = open_recipe(recipe, options.allow_python)
-    posture = Posture(robot, given.posture_values(robot, options.assignments))
+    posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     yaw_rate = math.radians(options.yaw_rate)
-    motion = wheel_speeds(posture, options.velocity, yaw_rate, options.gravity)
+    motion = analysis.wheel_speeds(posture, options.velocity, yaw_rate, options.gravity)
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
     report = motion_report(robot, motion)
@@ -51,7 +46,7 @@ def wheels(recipe: str, options: Options) -> None:
     output.show(report, motion_lines, options.as_json, code)
 
 
-def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
+def motion_report(recipe: "robots.Recipe", motion: "analysis.Motion") -> dict[str, Any]:
     """Return what `--json` prints; lengths in the recipe's unit, null where there is no value."""
     structure = (
         "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"

@@ -72,16 +72,14 @@ class Choices(TypedDict, total=False):
 def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> Figure:
     """Draw a figure whose title is its answer.
 
+    Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
+    posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt before it
+    tips over in each heading; `robot`: what it stands on, and over which edge it goes first.  A
+    figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are evaluated
+    exactly; only of a robot of code that is not run are they the map's.  `save` writes the figure.
+
     Parameters
     ----------
-    kind : {"curve", "contour", "surface", "sphere", "polar", "robot"}
-        `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
-        posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt
-        before it tips over in each heading; `robot`: what it stands on, and over which edge it
-        goes first.
-    source : StabilityMap or Recipe
-        A figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are
-        evaluated exactly; only of a robot of code that is not run are they the map's.
     params : mapping of str to float, optional
         Parameters in their display unit (deg for angles); the others are at the recipe's `home`,
         or in the middle of their range.
@@ -93,25 +91,13 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.
     convention : {"body", "plane"}
-        Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
-        turns in the body while the shape changes (T_g, see `lutgen.channels.resting`).  The
-        latter for recipes only, and not for `sphere` and `polar`.
+        Whether gravity is fixed in the body frame, or relative to the contact plane (T_g, see
+        `lutgen.channels.resting`): for recipes only, and not for `sphere` and `polar`.
     scale : (2,) of float, optional
         What the colours span at least, in the unit that is shown: figures of one scale can be
         compared.  Tip-over angles always span 0 to 60 deg.
     ax : matplotlib.axes.Axes, optional
         Draws into these axes, without what stands beside them, and leaves their figure as it is.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Independent of pyplot; see `save`.
-
-    Raises
-    ------
-    InputError
-        For an unknown kind, keyword, parameter or channel, a value outside its range, and a
-        direction that the map does not cover.
     """
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, suggestion(kind, KINDS, CHOOSE))

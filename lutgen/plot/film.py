@@ -49,13 +49,7 @@ class _Gif(PillowWriter):
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:
-    """Refuse a name of a kind that cannot be written here.
-
-    Raises
-    ------
-    InputError
-        For other suffixes than .gif and .mp4, and for .mp4 without ffmpeg.
-    """
+    """Refuse other suffixes than .gif and .mp4, and .mp4 without ffmpeg."""
     if known_suffix(path, "film", (".gif", ".mp4")) == ".mp4" and not FFMpegWriter.isAvailable():
         raise InputError(
             f"{path}: an MP4 needs the program ffmpeg (got none on the path); install it, or end "
@@ -66,29 +60,11 @@ def check_animation(path: str | os.PathLike[str]) -> None:
 def animate(
     recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str], force: bool = False
 ) -> int:
-    """Write a film of one or two runs along the same path.
+    """Write a film of one or two runs along the same path; return the number of its frames.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    runs : mapping of str to Drive
-        One or two; the name of each is its title.
-    path : str or path
-        Ends in .gif, or in .mp4 if ffmpeg is installed.  The same runs give the same bytes of a
-        GIF.
-    force : bool
-        Whether a file that lutgen did not make may be replaced.
-
-    Returns
-    -------
-    int
-        Number of frames, at most `MOST_FRAMES`, evenly spread over the points of the path.
-
-    Raises
-    ------
-    InputError
-        As `check_animation`; for a file that cannot be written, and a failure of ffmpeg.
+    The name of each run is its title; `path` ends in .gif, or in .mp4 if ffmpeg is installed.  The
+    frames, at most `MOST_FRAMES`, are evenly spread over the points.  The same runs give the same
+    bytes of a GIF.  A file that lutgen did not make is replaced only with `force`.
     """
     check_animation(path)
     drawn, gif = dict(list(runs.items())[:2]), Path(path).suffix.lower() == ".gif"

@@ -26,18 +26,8 @@ NOTE = "Discs: every direction of gravity, nose down at the top. Bright: far fro
 def draw_hero(recipe: Recipe, postures: Mapping[str, Sequence[float]], title: str) -> Figure:
     """Draw a robot on level ground in three postures, with its disc of tip-over angles.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    postures : mapping of str to sequence of float
-        Three postures (k,), rad or length, by what they are called.
-    title : str
-        The question that the figure answers.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    `postures` are (k,), rad or length, by what they are called; `title` is the question that the
+    figure answers.
     """
     figure, scenes = new_figure(SIZE), []
     figure.text(0.025, 0.965, title, size=15, weight="bold", va="top")

@@ -26,20 +26,10 @@ DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1, 1.5)))
 
 @in_house_style
 def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
-    """Draw one or two runs along the same path.
+    """Draw one or two runs along the same path, the name of each its title.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    runs : mapping of str to Drive
-        One or two; the name of each is its title.  The last one's geometry is drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The path in equal scale, red where the robot tips over; below it strips over the length of
-        the path: tip-over angles, parameters, and by how much the robot turned.
+    The path is in equal scale, red where the robot tips over; below it are strips over the length
+    of the path: tip-over angles, and of the last run the parameters and by how much it turned.
     """
     drawn = list(runs.items())[:2]
     last = drawn[-1][1]

@@ -5,7 +5,6 @@ import math
 from matplotlib.figure import Figure
 
 from lutgen.analysis import Diagnosis
-from lutgen.parts import KINDS
 from lutgen.plot.labels import angle, counted, gravity_text, named
 from lutgen.plot.scene import Label, callouts, draw_scene
 from lutgen.plot.style import bare, colours, new_figure
@@ -56,4 +55,4 @@ def _verdict(state: Diagnosis) -> str:
 
 def _carrying(state: Diagnosis) -> str:
     corners = dict.fromkeys(state.facet.contacts if state.facet is not None else ())
-    return counted([KINDS[int(state.kind[i])] for i in corners])
+    return counted([state.posture.recipe.contacts[i].kind for i in corners])

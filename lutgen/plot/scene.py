@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
 from lutgen.analysis import Diagnosis, Facet, Posture, diagnose
+from lutgen.chart import STANDARD_GRAVITY
 from lutgen.plot.painter import Camera, Solid, com_mark, frame_of, newell, paint
 from lutgen.plot.solids import solids_of
 from lutgen.plot.style import colours
@@ -71,13 +72,15 @@ def draw_scene(
     paint(axes, solids, camera, 0.7 * line, 3.0)
     _arrow(axes, com, hit, colours().ink, line)
     com_mark(axes, com, 0.026 * size, 8.0)
-    if state.com_uncertainty > 0.0:
-        ball = Circle((com[0], com[1]), state.com_uncertainty, fill=False, linestyle=":")
+    if recipe.com_uncertainty > 0.0:
+        ball = Circle((com[0], com[1]), recipe.com_uncertainty, fill=False, linestyle=":")
         axes.add_patch(ball).set(edgecolor=colours().ink, zorder=8.3)
-    for start, force in zip(state.force_points, state.forces, strict=True):
-        if force.any():
+    weight = STANDARD_GRAVITY * sum(link.mass for link in recipe.links)
+    starts = state.posture.placed.force_points[0]
+    for start, force in zip(starts, recipe.forces, strict=True):
+        if any(force.force):
             # The weight would be as long as the robot.
-            ends = camera.flat(np.array([start, start + size * force]))
+            ends = camera.flat(np.array([start, start + size / weight * np.array(force.force)]))
             _arrow(axes, ends[0], ends[1], colours().red, line)
             scene.force = ends.mean(axis=0)
             flat.append(ends)

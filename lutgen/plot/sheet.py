@@ -42,11 +42,6 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     """Draw figures of a size (``"85"`` or ``"85x60"``, mm) and in a style, within a with block.
 
     A figure keeps its shape: with a height it is as large as fits.
-
-    Raises
-    ------
-    InputError
-        For a size that is none, or not from 80 to 1000 mm, and for an unknown style.
     """
     if style not in STYLES:
         raise InputError(f"unknown style (got {style!r}); use {', '.join(STYLES)}")

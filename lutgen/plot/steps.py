@@ -8,12 +8,10 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError
 from lutgen.plot.contour import draw_contour
 from lutgen.plot.key import STAR
 from lutgen.plot.style import BLACK, in_house_style
 from lutgen.plot.view import View
-from lutgen.quantities import RANKED
 from lutgen.recipe import Recipe
 from lutgen.search import Optimum
 
@@ -27,35 +25,9 @@ ROOM = 0.5
 def draw_steps(recipe: Recipe, found: Optimum, gravity: ArrayLike, steps: Sequence[int]) -> Figure:
     """Return the nodes of some steps of a search over the contours of its objective.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        A robot with two parameters.
-    found : Optimum
-        Of the method `search`, for one channel.
-    gravity : (3,) array_like
-        As it was searched.
-    steps : sequence of int
-        Which steps, from 0; the figure covers their nodes.
-
-    Raises
-    ------
-    InputError
-        For other robots, objectives and methods, and steps that the search did not make.
+    `found` is of a robot with two parameters, of the method `search` and one channel, under
+    `gravity` (3,); `steps` count from 0, and the figure covers their nodes.
     """
-    if len(recipe.parameters) != 2 or found.objective not in RANKED:
-        raise InputError(
-            "plot: the steps of a search are drawn over two parameters and one channel (got "
-            f"{len(recipe.parameters)} parameters and the objective {found.objective}); "
-            "draw a contour instead."
-        )
-    known = [step for step, at in enumerate(found.trace) if len(at.nodes)]
-    if not steps or not set(steps) <= set(known):
-        raise InputError(
-            f"plot: the search has no mesh of every one of these steps (got "
-            f"{', '.join(str(step + 1) for step in steps) or 'none'}); it has "
-            f"{', '.join(str(step + 1) for step in known) or 'none'}."
-        )
     nodes = np.concatenate([found.trace[step].nodes for step in steps])
     window = []
     for i, parameter in enumerate(recipe.parameters):

@@ -60,20 +60,8 @@ def draw_limits(
 ) -> Figure:
     """Draw the largest tilt of the body before it tips over in each heading.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    posture : PostureLimits
-        Of one posture: its outline, its worst heading, and from where on it slides.
-    swept : SweepLimits, optional
-        Of all postures: the best of them in each heading, and with `worst` the worst.
-    worst : bool
-        See `swept`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    Of one posture its outline, its worst heading, and from where on it slides; of all postures,
+    `swept`, the best of them in each heading, and with `worst` the worst.
     """
     figure = page(6.6, *_words(recipe, posture))
     lines = _sliding(recipe, posture)

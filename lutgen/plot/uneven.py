@@ -24,20 +24,9 @@ SAID = {True: "Holds", False: "Does not hold", None: "Nobody can tell whether it
 
 @in_house_style
 def draw_footing(footing: Footing, found: Equilibrium) -> Figure:
-    """Draw feet on uneven ground and the region in which the com may lie.
+    """Draw feet on uneven ground, seen along gravity, and the region in which the com may lie.
 
-    Parameters
-    ----------
-    footing : Footing
-        The feet and the weight.
-    found : Equilibrium
-        What `Footing.equilibrium` says of them.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Seen along gravity, lengths in the footing's unit.  If the weight is held, with forces that
-        hold it.
+    `found` is what `Footing.equilibrium` says; of a weight that is held, forces are drawn, too.
     """
     feet, com = footing.points @ found.axes.T, found.axes @ footing.com
     low, high = _box(feet, com, found)

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen import bounds
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -78,31 +77,16 @@ def drive(
 ) -> Drive:
     """Drive a robot along a path.
 
-    Parameters
-    ----------
-    recipe : Recipe
-    path : Path
-        Where it drives, in the recipe's length unit.
-    control : bool
-        Whether the robot changes its geometry; if not, it keeps `params0`.
-    lag : int
-        Points by which control is late: point i has what was found for point i - lag, and the
-        first `lag` points have `params0` and the path's own heading.
-    method, objective, convention
-        As for `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
-        robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
-    params0 : (k,) array_like, optional
-        The geometry before control begins, rad or length; the middle of the ranges by default.
-    rates : mapping of str to float, optional
-        The fastest change of parameters, rad or length per second; a parameter without one follows
-        at once.  The robot begins the path in `params0`.
-    speed : float, optional
-        Length per second along the path; required with `rates`, and only with them.
-    headings : int, optional
-        Number of headings that the robot may turn to, evenly spaced, its own among them.  The turn
-        is about the ground's normal; of equally good headings the nearest to its own counts.
-    **options
-        `bounds`, `start`, `levels`, `ends` and `seed` of `optimum`.
+    `path` is in the recipe's length unit.  Without `control` the robot keeps `params0` (k,), rad or
+    length, by default the middle of the ranges.  Control is late by `lag` points: point i has what
+    was found for point i - lag, and the first ones have `params0` and the path's own heading.
+    `method`, `objective`, `convention` and `options` (`bounds`, `start`, `levels`, `ends`, `seed`)
+    are those of `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
+    robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
+    `rates` are the fastest changes of parameters, rad or length per second, at a `speed` (length
+    per second); a parameter without one follows at once.  The robot may turn about the ground's
+    normal to so many `headings`, evenly spaced, its own among them; of equally good ones the
+    nearest to its own counts.
 
     Examples
     --------
@@ -117,14 +101,13 @@ def drive(
     >>> drive(robot, path, params0=nominal).share
     0.22
     """
-    if lag < 0:
-        raise InputError(f"control cannot be ahead of the robot (got lag {lag}); use 0 or more")
     if control and not recipe.parameters:
         raise InputError(
             f"{recipe.source}: the robot has no geometry parameter to control (got none); drive it "
             "without control (--no-control)"
         )
-    start = _start(recipe, params0)
+    middle = [(p.minimum + p.maximum) / 2.0 for p in recipe.parameters]
+    start = np.array(middle if params0 is None else params0, dtype=np.float64)
     fastest = _rates(recipe, rates, speed)
     count = len(path.position)
     turn, wanted = np.zeros(count), np.tile(start, (count, 1))
@@ -182,27 +165,10 @@ def _geometries(
 
 def _turns(headings: int) -> Floats:
     """Return the turns to evenly spaced headings, rad, the smallest first."""
-    if headings < 1:
-        raise InputError(f"a robot has at least one heading (got {headings}); use 1 or more")
-    bounds.check(headings, bounds.HEADINGS, "the headings of a robot", "use fewer")
     whole = np.arange(headings)
     # Half a turn and more to the left is less to the right.
     steps = np.where(2 * whole > headings, whole - headings, whole)
     return np.asarray(2.0 * np.pi * steps[np.argsort(np.abs(steps), kind="stable")] / headings)
-
-
-def _start(recipe: Recipe, params0: ArrayLike | None) -> Floats:
-    """Return the geometry before control begins, (k,)."""
-    if params0 is None:
-        return np.array([(p.minimum + p.maximum) / 2.0 for p in recipe.parameters])
-    start = np.array(params0, dtype=np.float64)
-    if start.shape != (len(recipe.parameters),) or not np.isfinite(start).all():
-        raise InputError(
-            f"{recipe.source}: params0 needs one finite number for each of "
-            f"{len(recipe.parameters)} parameters (got {np.asarray(params0).tolist()}); leave it "
-            "out to begin in the middle of their ranges"
-        )
-    return start
 
 
 def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | None) -> Floats | None:

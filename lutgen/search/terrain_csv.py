@@ -11,8 +11,10 @@ import numpy as np
 
 from lutgen import bounds
 from lutgen.errors import InputError
-from lutgen.search.terrain import LARGEST, Floats, Path, along, repeated
+from lutgen.search.terrain import EQUAL, Floats, Path, along
 
+# Numbers whose products still are numbers.
+LARGEST = 1e100
 COLUMNS = ("x", "y", "z", "heading", "nx", "ny", "nz")
 
 
@@ -24,11 +26,13 @@ def read_path(file: str | os.PathLike[str]) -> Path:
     """
     rows, lines = read_rows(file, _check_names)
     point = np.column_stack([rows[name] for name in ("x", "y", "z")])
-    repeat = repeated(point)
-    if repeat is not None:
+    steps = np.linalg.norm(np.diff(point, axis=0), axis=1)
+    same = np.flatnonzero(steps <= EQUAL * steps.sum())
+    if len(same):
+        at = int(same[0]) + 1
         raise InputError(
-            f"{os.fspath(file)}: line {lines[repeat]} repeats the point before it "
-            f"(got {point[repeat].tolist()}); leave it out"
+            f"{os.fspath(file)}: line {lines[at]} repeats the point before it "
+            f"(got {point[at].tolist()}); leave it out"
         )
     heading = np.radians(rows["heading"]) if "heading" in rows else None
     normal = np.column_stack([rows[n] for n in ("nx", "ny", "nz")]) if "nx" in rows else None

@@ -10,11 +10,12 @@ import lutgen
 from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.sliding import first_tilts, slide_limits, slides_first, slopes
-from lutgen.analysis.tilt import tilted
+from lutgen.analysis.sliding import first_tilts, slide_limits
+from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
+from tests.fixtures.pulled import moving
 from tests.fixtures.recipes import feet, rigid, rover
 
 SQUARE = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
@@ -32,9 +33,8 @@ def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -
     for mu in (0.05, 0.5, 0.9):
         limits = slide_limits(Posture(table(mu), []), headings)
         assert limits == pytest.approx(math.atan(mu), abs=1e-12)
-        for tilt, expected in ((math.atan(mu) - 1e-9, False), (math.atan(mu) + 1e-9, True)):
-            found = slides_first(table(mu), [[]], tilted(tilt, headings))
-            assert found.tolist() == [[expected] * len(headings)]
+    with pytest.raises(InputError, match="no friction coefficient"):
+        slide_limits(Posture(table(None), []), headings)
 
 
 def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
@@ -44,64 +44,54 @@ def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
     assert limits == pytest.approx([math.atan(0.5) + rise, math.atan(0.5) - rise], abs=1e-12)
     # Slippery feet slide there at level already, though the ground comes to lie level later.
     assert slide_limits(Posture(table(0.1, 0.2), []), [0.0, math.pi]).tolist() == [0.0, 0.0]
-    level = slopes(recipe, [[]], [[[math.sin(rise), 0.0, -math.cos(rise)], [0.0, 0.0, -1.0]]])
-    assert level == pytest.approx(np.array([[0.0, rise]]), abs=1e-12)
 
 
-def test_it_is_what_diagnose_says_for_warped_feet_and_wheels_that_lift() -> None:
+def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces() -> None:
     rng = np.random.default_rng(2)
     warped = [(x, y, -1.0 + 0.2 * rng.normal()) for x, y in SQUARE]
     cases = [
         (lutgen.parse_recipe(rigid(feet(warped), head="friction = 0.4")), []),
         (lutgen.parse_recipe(rover().replace("upright", "friction = 0.4\nupright")), [0.35]),
+        (moving(), moving().home_params),
     ]
+    headings = np.radians(np.arange(0.0, 360.0, 10.0))
     for recipe, params in cases:
-        directions = np.column_stack([rng.normal(0.0, 0.5, (300, 2)), -np.ones(300)])
-        expected = [diagnose(Posture(recipe, params), g).slides for g in directions]
-        got = slides_first(recipe, [params], directions)[0]
-        assert got.tolist() == expected
-        assert 0.1 < got.mean() < 0.9
+        posture = Posture(recipe, params)
+        limits = slide_limits(posture, headings)
+        ends = np.where(np.isnan(limits), tilt_limits(recipe, params, headings), limits)
+        for heading, limit, end in zip(headings, limits, ends, strict=True):
+            below = diagnose(posture, tilted(end - 1e-6, heading))
+            assert end < 1e-6 or (below.standing and not below.slides)
+            assert np.isnan(limit) or diagnose(posture, tilted(end + 1e-6, heading)).slides
+        assert np.isfinite(limits).sum() > 0
 
 
 def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards() -> None:
     absolem = lutgen.load_recipe(MAPS / "absolem.toml")
-    level, lifted = np.radians([0.0, 0.0]), np.radians([-60.0, 0.0])
-    slope = float(slopes(absolem, [lifted], [[[0.0, 0.0, -1.0]]])[0, 0])
+    level, lifted = (Posture(absolem, np.radians(angles)) for angles in ([0.0, 0.0], [-60.0, 0.0]))
+    slope = diagnose(lifted, [0.0, 0.0, -1.0]).slope
     assert slope > math.radians(10.0)
-    back = slide_limits(Posture(absolem, lifted), [math.pi])[0]
-    assert slide_limits(Posture(absolem, level), [0.0, math.pi]) == pytest.approx(
-        math.atan(0.8), abs=1e-12
-    )
+    back = slide_limits(lifted, [math.pi])[0]
+    assert slide_limits(level, [0.0, math.pi]) == pytest.approx(math.atan(0.8), abs=1e-12)
     # The facet falls towards the tail: gravity leans to the tail in the body already.
     assert abs(back - math.atan(0.8)) == pytest.approx(slope, abs=1e-9)
-    both = slides_first(absolem, [level, lifted], tilted([0.6, 0.7], [math.pi, math.pi]))
-    assert both.tolist() == [[False, True], [back < 0.6, back < 0.7]]
 
 
 def test_a_robot_without_support_slides_on_nothing() -> None:
     line = rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)]), head="friction = 0.5")
-    assert slides_first(lutgen.parse_recipe(line), [[]], [[1, 0, -1]]).tolist() == [[False]]
-    assert np.isnan(slopes(lutgen.parse_recipe(line), [[]], [[[1, 0, -1]]])).all()
+    assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
 
 
-def test_without_friction_and_with_wrong_shapes_it_is_refused() -> None:
-    with pytest.raises(InputError, match="no friction coefficient"):
-        slides_first(table(None), [[]], [[0, 0, -1]])
-    with pytest.raises(InputError, match="gravity_dir must have the shape"):
-        slopes(table(0.5), [[]], [[0, 0, -1]])
-    with pytest.raises(InputError, match="params must have shape"):
-        slides_first(table(0.5), [], [[0, 0, -1]])
+def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips() -> None:
+    # It tips at 45 deg straight ahead.
+    posture, headings = Posture(table(None), []), np.zeros(2)
+    for bound, expected in ((0.3, 0.3), (0.79, math.nan)):
 
+        def steep(down: np.ndarray, bound: float = bound) -> np.ndarray:
+            return np.arccos(-down[:, 2]) >= bound
 
-def test_the_first_tilt_is_found_to_rounding_and_ends_where_it_is_told() -> None:
-    bound = np.array([0.3, 0.7, 1.1])
-
-    def steep(directions: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        return np.arccos(-directions[:, 2]) >= bound[rows]
-
-    found = first_tilts(steep, np.zeros(3), [1.0, 1.0, 1.0])
-    assert found[:2] == pytest.approx(bound[:2], abs=1e-8)  # an arc cosine near 0.3
-    assert np.isnan(found[2])
+        found = first_tilts(posture, steep, headings)
+        assert found == pytest.approx(expected, abs=1e-8, nan_ok=True)  # an arc cosine near 0.3
 
 
 # Figures

@@ -201,10 +201,7 @@ def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
 
 def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
     for options, said in (
-        ({"headings": 0}, "at least one heading"),
         ({"method": "guess"}, "unknown method 'guess'"),
-        ({"params0": [0.1]}, "one finite number for each of 2 parameters"),
-        ({"params0": [0.1, math.nan]}, "one finite number for each of 2 parameters"),
         ({"speed": 1.0}, "need a speed, and a speed needs rates"),
         ({"rates": {"alpha": 1.0}, "speed": math.nan}, "speed must be above 0"),
         ({"rates": {"alpha": -1.0}, "speed": 1.0}, "rate of alpha must be 0 or more"),
