@@ -89,10 +89,9 @@ class Chart:
         return np.asarray(1.0 / np.sqrt(1.0 + u * u + v * v))
 
     def solid_angle(self) -> NDArray[np.float64]:
-        """Return the solid angle (faces, nodes, nodes) that each node stands for, sr.
+        """Return the solid angle (faces, nodes, nodes) of each node's cell, sr; 1 for a lone node.
 
-        That is its cell up to half way to its neighbours, cut at the face's rim.  The sum is the
-        solid angle of the whole chart; the only node of a one-node chart weighs 1.
+        It goes up to half way to the neighbours, and is cut at the face's rim.
         """
         if self.nodes == 1:
             return np.ones(self.shape)
@@ -175,8 +174,7 @@ def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
 def gravito_inertial(gravity_dir: ArrayLike, acceleration: ArrayLike) -> NDArray[np.float64]:
     """Return the unit vector along 9.80665 g - a, for a robot that accelerates: what tips it.
 
-    `gravity_dir` (3,) points down, `acceleration` (3,) is that of the com in m/s^2, both in the
-    body frame.  InputError is raised for numbers that are not finite, and in free fall.
+    `gravity_dir` (3,) points down, `acceleration` (3,) is that of the com in m/s^2, body frame.
 
     Examples
     --------

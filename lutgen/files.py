@@ -65,9 +65,8 @@ def check_target(
 ) -> None:
     """Refuse to write where something stands that lutgen did not make.
 
-    InputError, which ends in `way_out`, is raised for a file without lutgen's mark, unless `force`
-    or it holds just the `content` that is to be written; for a link or a device always.  A folder
-    is left to whoever writes.
+    InputError is raised for a file without lutgen's mark, unless `force` or it holds the `content`
+    that is to be written; for a link or a device always.  A folder is left to whoever writes.
     """
     check_kind(path)
     if force or not os.path.lexists(path) or Path(path).is_dir():
@@ -94,8 +93,7 @@ def write_bytes(
 ) -> None:
     """Write a file under a temporary name, which cannot be foreseen, and rename it.
 
-    InputError is raised as by `check_target`, and where the file cannot be written, in the words
-    of `failed`: what was there before is untouched.
+    InputError, in the words of `failed`, leaves untouched what was there before.
     """
     check_target(path, force, content)
     target = Path(path)

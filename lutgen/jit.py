@@ -88,16 +88,16 @@ class _Forms(CompileResultCacheImpl):  # type: ignore[misc]
 
 
 class _Kernels(FunctionCache):  # type: ignore[misc]
-    """numba's disk cache of a kernel, quick to load and safe from damage."""
+    """numba's disk cache of a kernel, quick to load and safe from damage.
+
+    numba would first import all that it can compile, and with it scipy's linear algebra: a quarter
+    of the time of a short command.  A compilation imports it by itself.
+    """
 
     _impl_class = _Forms
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the machine code for a signature, or None if there is none that is whole.
-
-        numba would first import all that it can compile, and with it scipy's linear algebra: a
-        quarter of the time of a short command.  A compilation imports it by itself.
-        """
+        """Return the machine code for a signature, or None if there is none that is whole."""
         # Machine code counts references to arrays; the import would have begun that.
         rtsys.initialize(target_context)
         try:
@@ -180,11 +180,10 @@ def njit(
 
     With ``NUMBA_DISABLE_JIT=1`` in the environment the function stays plain Python.
 
-    One that is `inline` is so always: worth it for small functions that take arrays, of which each
-    argument is seven machine words.  In an `exact` one every operation is rounded by itself, as it
-    is written: predicates must say the same wherever they are used.  A `bare` one makes no array
-    and returns none; references to its arrays are then not counted, which for ten arrays takes
-    longer than a short kernel's work.
+    One that is `inline` is so always: worth it for small functions that take arrays.  In an `exact`
+    one every operation is rounded by itself: predicates must say the same wherever they are used.
+    A `bare` one makes no array and returns none; references to its arrays are then not counted,
+    which for ten arrays takes longer than a short kernel's work.
     """
 
     def compile_later(function: _Function) -> _Function:
@@ -261,9 +260,8 @@ def in_threads(
 ) -> None:
     """Call ``kernel(begin, end, *arguments)`` on parts of a range, in threads of `least` pieces.
 
-    Kernels release Python's lock, so Python's own threads do, and no kernel is compiled a second
-    time for them.  On a busy machine a thread that is woken for a few microseconds of work is
-    waited for until a core is free, which takes a thousand times as long as the work.
+    Kernels release Python's lock, so Python's own threads do.  On a busy machine a thread that is
+    woken for a few microseconds of work is waited for a thousand times as long.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:

@@ -7,6 +7,7 @@ of how they are written down (`recipe`, `urdf`) or of how a robot moves.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from lutgen.errors import InputError
@@ -33,11 +34,9 @@ def to_display(values: Any, unit: str) -> Any:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A geometry parameter: one axis of the map.
+    """A geometry parameter: one axis of the map, with its limits in `unit`, rad or length.
 
-    `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
-    `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
-    `meaning` is what figures say of its values.
+    `display_unit` is the recipe's own, and `meaning` what figures say of its values.
     """
 
     name: str
@@ -130,9 +129,8 @@ class Contact:
 class Axle:
     """An axle that swings freely about a line, and the two contacts that it carries.
 
-    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`, which
-    holds the pivot.  The robot is described with the axle amid its swing; `stops` (rad) is how far
-    it swings to either side, None if nothing stops it.
+    `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`.  The
+    robot is described with the axle amid its swing, which `stops` (rad) end on either side.
     """
 
     name: str
@@ -147,9 +145,8 @@ class Axle:
 class Wheel:
     """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
 
-    `radius` is the rolling radius.  A steered wheel may turn about the ground's normal.
-    `rollers` (rad) is None or the angle gamma of a Swedish wheel: from the rolling
-    direction to the axis of the roller on the ground, anticlockwise seen from above.
+    A steered wheel may turn about the ground's normal.  `rollers` (rad) is the angle of a Swedish
+    wheel from the rolling direction to the axis of the roller on the ground, anticlockwise.
     """
 
     contact: str
@@ -199,8 +196,7 @@ def way_up(parents: Mapping[str, str | None], name: str | None) -> list[str]:
 def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:
     """Return the names with parents before children, or a loop; a root has the parent None.
 
-    The order is by the distance from the root, otherwise as given, and empty where there is a loop:
-    that is the way from a name upwards until one is met again, which is the last.
+    The order is by the distance from the root, otherwise as given, and empty where there is a loop.
 
     Examples
     --------
@@ -209,16 +205,11 @@ def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[st
     >>> parents_first({"foot": "leg", "leg": "foot"})
     ([], ['foot', 'leg', 'foot'])
     """
+    above = {name: [] if parent is None else [parent] for name, parent in parents.items()}
     depth: dict[str, int] = {}
-    for name in parents:
-        way: dict[str, None] = {}
-        here: str | None = name
-        # Names that are known to hang from a root need not be followed again.
-        while here is not None and here not in depth:
-            if here in way:
-                return [], [*way, here]
-            way[here] = None
-            here = parents[here]
-        above = -1 if here is None else depth[here]
-        depth |= {one: above + rise for rise, one in enumerate(reversed(way), 1)}
+    try:
+        for name in TopologicalSorter(above).static_order():
+            depth[name] = depth.get(parents[name] or "", -1) + 1
+    except CycleError as error:
+        return [], error.args[1][::-1]
     return sorted(parents, key=depth.__getitem__), []

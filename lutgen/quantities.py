@@ -18,12 +18,11 @@ class Quantity:
     """A channel.
 
     `unit` is ``"rad"``, ``"1"``, or ``"length"`` for the recipe's length unit.  Its `title` is for
-    map files (`long_name`), its `label` for axes of figures.  `better` is the end that is good,
-    ``"minimum"`` or ``"maximum"``.
+    map files (`long_name`), its `label` for axes of figures; `better` is the end that is good.
     `under_load` says whether it is defined under forces and for a com that is known to a ball only;
     `exported` is its place in the answer of the C runtime, and `in_c` what the C header says of it.
-    `words` are what its values 0, 1, 2... mean, the worst last, where they are no numbers: a map
-    then holds bytes, and nothing is ever interpolated.
+    `words` are what its values mean, the worst last, where they are no numbers: a map then holds
+    bytes, and nothing is ever interpolated.
     """
 
     name: str

@@ -9,7 +9,9 @@ from hypothesis import settings
 
 import lutgen
 from lutgen.mapping import plan, sweeper
+from lutgen.recipe import Recipe
 from tests.fixtures.needs import ABSENT, lacking
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
@@ -90,6 +92,12 @@ def tripod_path(tmp_path: Path) -> Path:
     path = tmp_path / "tripod.toml"
     path.write_text(tripod())
     return path
+
+
+@pytest.fixture(scope="session")
+def two() -> Recipe:
+    """Return the paper's robot with two moving wheels."""
+    return lutgen.load_recipe(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="session")

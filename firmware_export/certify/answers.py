@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from firmware_export.host import FULL_SCALE, STANDS, Host, in_units
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
+from lutgen.errors import ExportError
 from lutgen.vector import Bools, Floats
 
 # In the place of a status where nothing was asked.
@@ -162,6 +163,8 @@ class Reader:
 def device(export: Export) -> Reader:
     """Return what answers as the microcontroller will: the C that ships, with these tables."""
     host = Host(describe(export))
+    if host.check() != 0:
+        raise ExportError(f"{export.name}: its tables are not what smap_check demands; report it.")
     if export.integer:
         return Reader(export.model, host.read_i, export.body.steps)
     return Reader(export.model, host.read)

@@ -13,8 +13,7 @@ import numpy as np
 from lutgen.errors import InputError
 from lutgen.parts import Joint, parents_first
 from lutgen.recipe import Recipe, swung_links
-from lutgen.rotation import axis_rotation, rotation
-from lutgen.vector import Floats, Vector
+from lutgen.vector import Floats, Vector, axis_rotation, rotation
 
 # A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter,
 # 1.0) the parameter itself.  A monomial is a sorted tuple of factors; () is 1.

@@ -12,7 +12,7 @@ from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.off import most_off
 from firmware_export.contacts.room import LIMITS, Room, pose_words, room_of
-from firmware_export.contacts.series import Series, ordered, series_of
+from firmware_export.contacts.series import Series, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
@@ -147,8 +147,8 @@ def _tables(model: Model, spec: Spec) -> Tables:
     order, turning = _order(model)
     terms: Terms | Series
     if spec.error:
-        series = series_of(model, spec.error * robot_size_of(model.recipe))
-        terms, off, error = ordered(series, order), off_of(model, spec), 0.0
+        terms = series_of(model, order, spec.error * robot_size_of(model.recipe))
+        off, error = off_of(model, spec), 0.0
     else:
         terms, off = terms_of(model.recipe, model.radius, order, turning), 0.0
         error = terms.error
@@ -193,7 +193,7 @@ def off_of(model: Model, spec: Spec) -> float:
     """
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
-    terms = ordered(series_of(model, error), order)
+    terms = series_of(model, order, error)
     body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
     blank = Tables(spec, terms, None, None, LIMITS, 1.0, 0.0, "")
     export = Export("off", model.recipe, model, "contacts", "float", (), blank)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lutgen.vector import Floats
 
-# (n, l) places of l lines -> (n, l, c) coordinates.
+# (n, l) places of l lines, or (n, 1) of all -> (n, l, c) coordinates.
 Line = Callable[[Floats], Floats]
 
 # Places at which a stretch of a line is looked at, and how often it is made as much shorter.
@@ -20,57 +20,42 @@ KEPT = 0.02
 SAME = 1e-6
 
 
-def _closer(begin: Floats, width: float, line: Line) -> tuple[Floats, Floats]:
-    """Return the places (n, l) on stretches of a width, and the coordinates there."""
-    x = begin + width * np.linspace(0.0, 1.0, PLACES)[:, None]
-    return x, line(x)
+def _zoom(
+    low: float, width: float, line: Line, order: int, times: int
+) -> tuple[Floats, float, list[Floats]]:
+    """Make the stretch of each line on which differences of an order are largest shorter.
+
+    Returns where the last ones begin (l,), their width, and the largest (l,) of each time.
+    """
+    begin, most = np.full(1, low), list[Floats]()
+    for _ in range(times):
+        x = begin + width * np.linspace(0.0, 1.0, PLACES)[:, None]
+        change = np.abs(np.diff(line(x), order, axis=0)).max(axis=2)
+        at = change.argmax(axis=0)
+        begin = np.take_along_axis(np.broadcast_to(x, (PLACES, len(at))), at[None], axis=0)[0]
+        most.append(change.max(axis=0))
+        width *= order / (PLACES - 1)
+    return begin, width, most
 
 
-def find_jump(low: float, high: float, lines: int, line: Line) -> tuple[float, float]:
+def find_jump(low: float, high: float, line: Line) -> tuple[float, float]:
     """Return by how much a coordinate jumps between two places, and where.
 
-    The stretch over which it changes most is made shorter and shorter; what is continuous
-    changes by less and less, at last by next to nothing.
+    What is continuous changes by less and less on shorter stretches, at last by nearly nothing.
     """
-    begin, width = np.full(lines, low), high - low
-    change = np.zeros((1, lines))
-    for _ in range(JUMP_ZOOMS):
-        x, value = _closer(begin, width, line)
-        change = np.abs(np.diff(value, axis=0)).max(axis=2)
-        at = change.argmax(axis=0)
-        begin = x[at, np.arange(lines)]
-        width /= PLACES - 1
-    most = int(change.max(axis=0).argmax())
-    return float(change[:, most].max()), float(begin[most])
+    begin, _, change = _zoom(low, high - low, line, 1, JUMP_ZOOMS)
+    most = int(change[-1].argmax())
+    return float(change[-1][most]), float(begin[most])
 
 
-def find_break(low: float, high: float, lines: int, line: Line) -> float:
+def find_break(low: float, high: float, line: Line) -> float:
     """Return where to cut a stretch: at a kink that all lines have at one place, or in the middle.
 
-    Parameters
-    ----------
-    low, high : float
-        Ends of the stretch.
-    lines : int
-        How many lines there are.
-    line : callable
-        Coordinates at places of the lines.
-
-    Returns
-    -------
-    float
-        Between the ends.
+    `line` gives coordinates at places of the lines between both ends.
     """
-    begin, width = np.full(lines, low), high - low
-    first = bend = np.zeros(lines)
-    for zoom in range(ZOOMS):
-        x, value = _closer(begin, width, line)
-        second = np.abs(value[:-2] - 2.0 * value[1:-1] + value[2:]).max(axis=2)
-        at = second.argmax(axis=0)
-        bend = second[at, np.arange(lines)] / width
-        first = bend if zoom == 0 else first
-        begin = x[at, np.arange(lines)]
-        width *= 2.0 / (PLACES - 1)
+    begin, width, change = _zoom(low, high - low, line, 2, ZOOMS)
+    # Of second differences a kink has as much more as a stretch is longer.
+    bend, first = change[-1] * (0.5 * (PLACES - 1)) ** (ZOOMS - 1), change[0]
     kinked = (bend > KEPT * first) & (bend > KEPT * bend.max())
     place = begin + 0.5 * width
     middle = 0.5 * (low + high)

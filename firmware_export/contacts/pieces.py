@@ -55,13 +55,15 @@ class Pieces:
         return tuple(len(one) - 1 for one in self.knots)
 
 
-def pieces_of(model: Model, error: float, common: bool) -> Pieces:
+def pieces_of(model: Model, order: tuple[int, ...], error: float, common: bool) -> Pieces:
     """Return series that are off by less than about `error` (length).
 
     Parameters
     ----------
     model : Model
         Its box is widened by what sensors may say beyond its ends.
+    order : tuple of int
+        Of the recipe's contacts.
     error : float
         Length.
     common : bool
@@ -74,7 +76,7 @@ def pieces_of(model: Model, error: float, common: bool) -> Pieces:
         Where the positions jump, or too many pieces would be needed.
     """
     box = widened(model)
-    place = _function(box, common)
+    place = _function(box, order, common)
     ends = zip(box.lower, box.upper, strict=True)
     knots, lengths = [], []
     for axis, (low, high) in enumerate(ends):
@@ -95,15 +97,13 @@ def _too_many(error: float) -> str:
     )
 
 
-def _function(box: Model, common: bool) -> Callable[[Floats], Floats]:
+def _function(box: Model, order: tuple[int, ...], common: bool) -> Callable[[Floats], Floats]:
     """Return params (m, k) -> groups (m, g, 3), length."""
 
     def place(params: Floats) -> Floats:
         found = box.postures(params)
-        if not common:
-            return found.centres
-        com = found.com[:, None]
-        return np.concatenate([-com, found.centres + com], axis=1)
+        centres, com = found.centres[:, order], found.com[:, None]
+        return np.concatenate([-com, centres + com], axis=1) if common else centres
 
     return place
 
@@ -142,7 +142,7 @@ def _cut(
         longest = 1
         for low, high in pairwise(knots):
             x = low + (chebyshev_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
-            found = np.tensordot(matrix, line(np.repeat(x, LINES, axis=1)), (1, 0))
+            found = np.tensordot(matrix, line(x), (1, 0))
             above = np.flatnonzero(np.abs(found).max(axis=(1, 2)) > ENDED * error)
             length = int(above[-1]) + 1 if len(above) else 1
             if length > MOST_LENGTH[box.k]:
@@ -152,14 +152,14 @@ def _cut(
             return knots, longest
         if len(knots) > MOST_PIECES:
             raise InputError(_too_many(error))
-        jump, where = find_jump(low, high, LINES, line)
+        jump, where = find_jump(low, high, line)
         if jump > JUMP * size:
             name = box.recipe.parameters[axis].name
             raise InputError(
                 f"its positions jump (by {jump:.3g} where {name} is {where:.6g}), which no table "
                 "may hold; let them be continuous, or use --codec grid"
             )
-        cut = float(np.float32(find_break(low, high, LINES, line)))
+        cut = float(np.float32(find_break(low, high, line)))
         if not low < cut < high:
             raise InputError(_too_many(error))
         knots = np.sort(np.append(knots, cut))

@@ -14,6 +14,8 @@ from firmware_export.host import Host
 from firmware_export.truth import Model
 
 MARGIN = 1.1
+# Of the ends of what edges hold: their numbers are of 8 bits.
+MOST_PLACES = 100
 
 
 class Room(NamedTuple):
@@ -47,11 +49,11 @@ def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
     With both forms, with integers alone, and of the region that on-board control keeps beside
     (runtime/smap_pose.h, smap_region.h, smap_reading_i.h).  Addresses have up to 8 bytes.
     """
-    walls = room.corners + 2 * room.gaps
-    layout = 5 + 4 * room.rests + 4 * room.gaps + 3 * room.arcs
-    region = 4 * (1 + 7 * room.rests + 3 * walls + 6 * room.arcs)
-    floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests + 4 * room.corners
-    work = 24 + 4 * floats + (contacts if discs else 1) + 4 * room.corners + room.rests + 8
-    whole = 6 + 14 * room.rests + 6 * walls + 12 * room.arcs
+    vectors = 2 * room.corners + 2 * room.gaps + min(4 * room.gaps, MOST_PLACES)
+    layout = 6 + 4 * room.rests + 4 * room.gaps + 5 * room.arcs
+    region = 4 * (1 + 7 * room.rests + 3 * vectors)
+    floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests
+    work = 24 + 4 * floats + (contacts if discs else 1) + 6 * room.corners + room.rests + 8
+    whole = 6 + 14 * room.rests + 6 * vectors
     both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
     return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)

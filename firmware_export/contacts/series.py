@@ -4,7 +4,6 @@ The layout is that of runtime/smap_series.h.  Small terms are left out, and the 
 """
 
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.contacts.pieces import MOST_PARAMETERS, Pieces, com_moves, pieces_of
-from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, head
+from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.errors import InputError
@@ -98,10 +97,10 @@ class Series:
 
 
 @lru_cache(maxsize=8)
-def series_of(model: Model, error: float) -> Series:
+def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
     """Return the smaller of the tables that are off by less than about `error` (length).
 
-    The contacts are in the recipe's order, see `ordered`.
+    `order` is that of the recipe's contacts in them.
 
     Raises
     ------
@@ -113,54 +112,11 @@ def series_of(model: Model, error: float) -> Series:
             f"the robot is given by code, whose positions are held as tables over at most "
             f"{MOST_PARAMETERS} parameters (got {model.k}); use --codec grid"
         )
-    plain = _tables(pieces_of(model, error, False), error, False)
+    plain = _tables(pieces_of(model, order, error, False), error, False)
     if not com_moves(model):
         return plain
-    shared = _tables(pieces_of(model, 0.5 * error, True), 0.5 * error, True)
+    shared = _tables(pieces_of(model, order, 0.5 * error, True), 0.5 * error, True)
     return min(plain, shared, key=lambda one: one.bytes)
-
-
-def ordered(series: Series, order: Sequence[int]) -> Series:
-    """Return the tables with the contacts in another order."""
-    first = int(series.common)
-    counts = [
-        math.prod(len(one) - 1 for j, one in enumerate(series.knots) if mask >> j & 1)
-        for mask in series.masks
-    ]
-    begins = [0, *itertools.accumulate(counts)]
-    groups = [*range(first), *(first + at for at in order)]
-    rows = [row for at in groups for row in series.rows[begins[at] : begins[at + 1]]]
-    masks = tuple(series.masks[at] for at in groups)
-    return Series(**{**vars(series), "masks": masks, "rows": tuple(rows)})
-
-
-class _Entries:
-    """The numbering of polynomials and of products of two entries."""
-
-    def __init__(self, degrees: Degrees) -> None:
-        self._begin = [1, *(1 + total for total in itertools.accumulate(degrees))]
-        self.products: list[tuple[int, int]] = []
-        self._known: dict[tuple[int, ...], int] = {}
-
-    def of(self, degrees: Degrees) -> int:
-        """Return the entry of a product of T_n, one of each parameter."""
-        factors = tuple(self._begin[j] + n - 1 for j, n in enumerate(degrees) if n)
-        return self._of(factors)
-
-    def _of(self, factors: tuple[int, ...]) -> int:
-        if len(factors) < 2:
-            return factors[0] if factors else 0
-        if factors not in self._known:
-            self.products.append((self._of(factors[:-1]), factors[-1]))
-            self._known[factors] = self._begin[-1] + len(self.products) - 1
-        return self._known[factors]
-
-
-def _held(values: NDArray[np.int64]) -> list[Degrees]:
-    """Return the degrees of the terms that are not 0."""
-    if values.ndim == 0:
-        return [()] if values else []
-    return [tuple(map(int, n)) for n in np.argwhere(values)]
 
 
 def _shortened(values: Floats, budget: float) -> Floats:
@@ -195,8 +151,8 @@ def _tables(pieces: Pieces, error: float, common: bool) -> Series:
             here = own[tuple(place.get(j, 0) for j in range(k))]
             kept.append([_shortened(here[..., i], LEFT_OUT * error / 3**0.5) for i in range(3)])
     codes, unit, width = _rounded(kept, error)
-    used = [n for row in codes for one in row for n in _held(one)]
-    degrees = tuple(max((n[j] for n in used), default=0) for j in range(k))
+    used = np.concatenate([np.argwhere(one) for row in codes for one in row])
+    degrees = tuple(used.max(axis=0, initial=0).tolist())
     return _packed(pieces, codes, unit, width, (degrees, tuple(masks), common))
 
 
@@ -221,7 +177,8 @@ def _packed(
 ) -> Series:
     """Return the tables with entries and rows numbered; rows that are alike are stored once."""
     degrees, masks, common = how
-    table = _Entries(degrees)
+    begins = [1, *(1 + total for total in itertools.accumulate(degrees))]
+    table = Products(begins[-1])
     entries: list[int] = []
     values: list[int] = []
     rows: list[tuple[int, int, int, int]] = []
@@ -231,8 +188,11 @@ def _packed(
         counts = []
         for one in row:
             # The smallest first: rounding of the sum is least so.
-            found = sorted((abs(int(one[n])), n) for n in _held(one))
-            own += [(table.of(n), int(one[n])) for _, n in found]
+            found = sorted((abs(int(one[n])), n) for n in map(tuple, np.argwhere(one).tolist()))
+            factors = [
+                tuple(b + d - 1 for b, d in zip(begins, n, strict=False) if d) for _, n in found
+            ]
+            own += [(table.of(f), int(one[n])) for f, (_, n) in zip(factors, found, strict=True)]
             counts.append(len(found))
         key = (tuple(counts), *own)
         if key not in known:
@@ -240,7 +200,7 @@ def _packed(
             entries += [entry for entry, _ in own]
             values += [code for _, code in own]
         rows.append(known[key])
-    count = 1 + sum(degrees) + len(table.products)
+    count = table.count
     most = max(max(row[1:]) for row in rows)
     if count > MOST_ENTRIES or len(values) > MOST_TERMS or most > MOST_ENTRIES:
         raise InputError(
@@ -250,7 +210,7 @@ def _packed(
     return Series(
         pieces.knots,
         degrees,
-        tuple(table.products),
+        tuple(table.pairs),
         masks,
         tuple(rows),
         np.array(entries, np.uint8),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.contacts.closed import Closed, Factor, Monomial, Sum, closed_form, factors_of
+from firmware_export.contacts.closed import Closed, Sum, closed_form, factors_of
 from firmware_export.protocol import CArray
 from firmware_export.truth import slack
 from lutgen.errors import InputError
@@ -149,9 +149,18 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
         for one, scale in zip([*vectors, *axes], scales, strict=True)
     ]
     sums = [Sum({m: v for m, v in one.items() if v.any()}) for one in kept]
-    table = _Entries(factors_of(sums))
+    factors = factors_of(sums)
+    angles = list(dict.fromkeys((p, rate) for kind, p, rate in factors if kind != "t"))
+    travels = [p for kind, p, _ in factors if kind == "t"]
+    names = [(kind, p, rate) for p, rate in angles for kind in "sc"]
+    entry = {one: at for at, one in enumerate([*names, *(("t", p, 1.0) for p in travels)], 1)}
+    table = Products(1 + len(entry))
     coordinates = [
-        tuple(Term(float(v[i]), table.of(m)) for m, v in one.terms.items() if v[i] != 0.0)
+        tuple(
+            Term(float(v[i]), table.of(tuple(entry[one] for one in m)))
+            for m, v in one.terms.items()
+            if v[i] != 0.0
+        )
         for one in sums
         for i in range(3)
     ]
@@ -160,49 +169,46 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
             f"the positions need {table.count} functions and {len(coordinates)} coordinates, more "
             f"than the {MOST_ENTRIES} and {MOST_COORDINATES} of the runtime; use --codec grid"
         )
-    ends = [(recipe.parameters[p], rate) for p, rate in table.angles]
+    ends = [(recipe.parameters[p], rate) for p, rate in angles]
     reach = max((rate * (max(-p.minimum, p.maximum) + slack(p)) for p, rate in ends), default=0.0)
     return Terms(
-        tuple(table.angles),
-        tuple(table.travels),
-        tuple(table.products),
+        tuple(angles),
+        tuple(travels),
+        tuple(table.pairs),
         tuple(coordinates),
         tuple(axis_of),
         len(axes),
         moving,
         reach <= NEAREST,
         np.array([*radius, *(one for share in closed.shares for one in (0.0, share))])[list(order)],
-        _error(recipe, sums[: len(vectors)], moving) + NEGLIGIBLE * size * len(table.products),
+        _error(recipe, sums[: len(vectors)], moving) + NEGLIGIBLE * size * len(table.pairs),
     )
 
 
-class _Entries:
-    """The numbering of factors and of products of two entries."""
+class Products:
+    """Numbers products of entries: each is one that is known times one entry more.
 
-    def __init__(self, factors: list[Factor]) -> None:
-        self.angles = list(dict.fromkeys((p, rate) for kind, p, rate in factors if kind != "t"))
-        self.travels = [p for kind, p, _ in factors if kind == "t"]
-        self.products: list[tuple[int, int]] = []
-        self._known: dict[Monomial, int] = {(): 0}
-        for at, (p, rate) in enumerate(self.angles):
-            self._known[(("s", p, rate),)] = 1 + 2 * at
-            self._known[(("c", p, rate),)] = 2 + 2 * at
-        self._first = 1 + 2 * len(self.angles)
-        for at, p in enumerate(self.travels):
-            self._known[(("t", p, 1.0),)] = self._first + at
-        self._first += len(self.travels)
+    `first` is the number of the first product, `pairs` has the two entries of each.
+    """
+
+    def __init__(self, first: int) -> None:
+        self.first = first
+        self.pairs: list[tuple[int, int]] = []
+        self._known: dict[tuple[int, ...], int] = {}
 
     @property
     def count(self) -> int:
-        return self._first + len(self.products)
+        """Entries before the products and the products."""
+        return self.first + len(self.pairs)
 
-    def of(self, monomial: Monomial) -> int:
-        """Return the entry of a monomial; a product of what is known and one factor more."""
-        if monomial not in self._known:
-            pair = (self.of(monomial[:-1]), self.of(monomial[-1:]))
-            self.products.append(pair)
-            self._known[monomial] = self._first + len(self.products) - 1
-        return self._known[monomial]
+    def of(self, factors: tuple[int, ...]) -> int:
+        """Return the entry of a product of entries; of none it is the number 1."""
+        if len(factors) < 2:
+            return factors[0] if factors else 0
+        if factors not in self._known:
+            self.pairs.append((self.of(factors[:-1]), factors[-1]))
+            self._known[factors] = self.count - 1
+        return self._known[factors]
 
 
 def _axes(axes: Sequence[Sum | None]) -> tuple[list[Sum], list[int]]:
@@ -213,19 +219,18 @@ def _axes(axes: Sequence[Sum | None]) -> tuple[list[Sum], list[int]]:
         if axis is None:
             of.append(NO_AXIS)
             continue
-        for at, known in enumerate(found):
-            if _same(axis, known) or _same(axis, known.scaled(-1.0)):
-                of.append(at)
-                break
-        else:
+        same = [
+            at for at, one in enumerate(found) if _same(axis, one, 1.0) or _same(axis, one, -1.0)
+        ]
+        if not same:
             found.append(axis)
-            of.append(len(found) - 1)
+        of.append(same[0] if same else len(found) - 1)
     return found, of
 
 
-def _same(one: Sum, other: Sum) -> bool:
-    """Whether two unit vectors are equal wherever the joints are."""
-    difference = one + other.scaled(-1.0)
+def _same(one: Sum, other: Sum, sign: float) -> bool:
+    """Whether a unit vector is another one times a sign wherever the joints are."""
+    difference = one + other.scaled(-sign)
     return all(float(np.abs(value).max()) < NEGLIGIBLE for value in difference.terms.values())
 
 

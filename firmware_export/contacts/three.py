@@ -40,11 +40,10 @@ LOW, FEW, NARROWEST = 0.5, 0.001, 1e-3
 class Three(NamedTuple):
     """What the tables of three points need beside positions.
 
-    `order` of the contacts and `code`, the same as the runtime has it; the thresholds `lowest`
+    `code`, the order of the contacts as the runtime has it; the thresholds `lowest`
     (length), `steepest`, `rest_width` (length); the `guard` (rad), and a sentence about it.
     """
 
-    order: tuple[int, int, int]
     code: int
     lowest: float
     steepest: float
@@ -69,10 +68,11 @@ def three_of(model: Model, error: float, off: float = 0.0) -> Three:
     reach = float(np.sqrt((p**2).sum(axis=2)).max())
     least = least_edge_of(model) if off == 0.0 else 0.0
     wrong = 2.0 * error * reach + 4.0 * HALF_UNIT * reach**2
-    order = rounds(model)
+    first, second, third = rounds(model)
+    code = first | second << 2 | third << 4
     text = "what rounding to single precision can turn a tip-over plane"
     if least > 0.0 and wrong / least < AIM:
-        return Three(order, _code(order), 0.0, ANY, 0.0, ROUNDING + wrong / least, text)
+        return Three(code, 0.0, ANY, 0.0, ROUNDING + wrong / least, text)
     sides = np.stack([p[:, i] - p[:, i - 2] for i in range(3)], axis=1)
     side = max(float(np.sqrt((sides**2).sum(axis=2)).min()), width, 1e-3 * reach)
     lowest = rho + wrong / (AIM * side)
@@ -93,8 +93,7 @@ def three_of(model: Model, error: float, off: float = 0.0) -> Three:
         text += ", and a com anywhere in its ball"
     upright = recipe.upright < math.pi
     return Three(
-        order,
-        _code(order) | EITHER_WAY,
+        code | EITHER_WAY,
         lowest,
         accept.steepest + HAIR + turn if upright else ANY,
         width * (1.0 + HAIR) + HAIR * reach + 2.0 * off if width > 0.0 else 0.0,
@@ -110,8 +109,3 @@ def _usual_height(p: Floats, steepest: float) -> float:
     high = (normal * p[:, 0]).sum(axis=1)
     carries = -normal[:, 2] * np.sign(high) > steepest
     return float(np.quantile(np.abs(high[carries]), FEW)) if carries.any() else 0.0
-
-
-def _code(order: tuple[int, int, int]) -> int:
-    """Return the order as the runtime has it."""
-    return order[0] | order[1] << 2 | order[2] << 4

@@ -8,8 +8,8 @@ from dataclasses import asdict
 from typing import Any
 
 from lutgen.recipe import Recipe, robot_size_of
+from lutgen.urdf.links import used_shapes
 from lutgen.urdf.read import parse_urdf
-from lutgen.urdf.shapes import used_shapes
 
 # In a URDF; meshes are not read.
 DRAWN = ("box", "cylinder", "sphere")

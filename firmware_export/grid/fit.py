@@ -65,8 +65,8 @@ class Lesson:
     """What the tables of a robot learn from.
 
     It stands between the places `low` and `high` (2,) of v and u alone; `block` (6,) is the block
-    that holds the codes of each face, -1 where nothing stands; `bend` is that of `bends`; `lengths`
-    are the truth (n,) of ``sdg`` and ``height`` at the `points`, which are in random order.
+    that holds the codes of each face, -1 where nothing stands; `lengths` are the truth (n,) of
+    ``sdg`` and ``height`` at the `points`, which are in random order.
     """
 
     ground: Ground
@@ -152,10 +152,7 @@ def learn(model: Model) -> Lesson:
 
 
 def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) -> Found:
-    """Lower codes in place on fresh points; return those that were falsely safe.
-
-    The directions are those in which the table says that the robot only just stands.
-    """
+    """Lower codes in place on fresh points that only just stand; return those falsely safe."""
     ground, found = lesson.ground, list[Found]()
     model = ground.model
     postures, more = crowd(model)
@@ -179,10 +176,7 @@ def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) 
 def _lower(
     lesson: Lesson, values: Singles, lattice: Lattice, params: Floats, gravity: Floats, at: Points
 ) -> Found:
-    """Lower codes in place at points; return the postures and directions that are falsely safe.
-
-    `params` (m, k), `gravity` (m, d, 3); `at` has their places, and no truth yet.
-    """
+    """Lower codes in place at points, which have no truth yet; return those falsely safe."""
     tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
     said = train.read(values, at, lattice).reshape(tip.shape)
     row, column = np.nonzero((tip < 0.0) & (said >= STANDS))

@@ -55,8 +55,7 @@ class Fold(NamedTuple):
 class Ground:
     """A robot as its tables see it: over its box, and over what sensors may say beyond it.
 
-    `places` are how its parameters become places; `rounds`, whether an axis comes round, and so has
-    no beyond; `fold`, where left is as right.
+    An axis that `rounds` comes round, and so has no beyond; `fold` is there where left is as right.
     """
 
     narrow: Model

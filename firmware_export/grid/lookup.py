@@ -11,7 +11,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from firmware_export.grid.across import turned
 from firmware_export.grid.points import (
     MOST_AXES,
     Point,
@@ -20,6 +19,7 @@ from firmware_export.grid.points import (
     depends_on,
     fit_point,
     reach_of,
+    turned,
 )
 from firmware_export.protocol import CArray, CBody, Codec
 from firmware_export.protocol import Tables as AnyTables

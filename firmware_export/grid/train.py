@@ -48,10 +48,9 @@ class Points(NamedTuple):
 
 
 class Course(NamedTuple):
-    """How codes are trained.
+    """How codes are trained: `guard` is by how many a reading must be below the truth.
 
-    `rate` in codes; what a reading too high costs at `first` and at `last`, `SQUARES` where squares
-    are minimised; `guard`: the codes by which a reading must be below the truth.
+    A reading too high costs `first` to `last`, `SQUARES` where squares are minimised.
     """
 
     steps: int
@@ -146,8 +145,7 @@ def descend(
 def lower(values: Singles, points: Points, lattice: Lattice, whole: bool, least: float) -> int:
     """Lower codes in place until no point is read above its truth; return the false safes met.
 
-    Each goes down by the least change that does, in whole codes if asked.  `least`: codes by which
-    a reading of a point that tips is brought below STANDS.
+    Each goes down by the least change that does; a point that tips to `least` below STANDS.
     """
     node = np.empty(1 << len(lattice.nodes), np.int64)
     weight = np.empty(1 << len(lattice.nodes), np.float32)

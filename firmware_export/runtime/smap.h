@@ -211,16 +211,19 @@ static inline void smap_gravity_from_up_i(const int16_t up[3], int16_t gravity[3
 }
 
 /* The highest speed (m/s) from which a dead stop does not tip the robot, whatever stops it: the root of
- * 2 g height (1 - cos tip_angle), a little less.  `height` (m): the com's above the ground, as in the reading.
+ * 2 g height (1 - cos tip_angle) / (1 + 2 sin slope / sin tip_angle), a little less.  `height` (m): the
+ * com's above the ground, as in the reading; `slope` (rad): the ground's, or the steepest that there is.
  * On a bump take asin(bump / least distance of two contacts) off tip_angle.  0 with `gaps` (NAME_GAPS): a
  * reading does not tell how little lifts a robot over a gap. */
-static inline float smap_stop_speed(const smap_reading_t *reading, float height, int gaps)
+static inline float smap_stop_speed(const smap_reading_t *reading, float height, float slope, int gaps)
 {
   const float tip = reading->tip_angle < 1.5f ? reading->tip_angle : 1.5f;
-  const float square = 9.806f * height * tip * tip * (1.0f - tip * tip * (1.0f / 12.0f));
+  const float level = 9.806f * height * tip * tip * (1.0f - tip * tip * (1.0f / 12.0f));
+  const float sine = tip * (1.0f - tip * tip * (1.0f / 6.0f));
+  const float square = level * sine / (sine + 2.0f * slope);
   float root = 0.5f * (1.0f + square);
   uint8_t i;
-  if (gaps || !(tip > 0.0f) || !(square > 0.0f && square < 1e6f)) {
+  if (gaps || !(tip > 0.0f) || !(slope >= 0.0f) || !(square > 0.0f && square < 1e6f)) {
     return 0.0f;
   }
   for (i = 0; i < 16; i++) { /* Newton's steps come from above, so what is divided is below */

@@ -9,39 +9,27 @@ static void smap_bound_rest(smap_work_t *w, uint8_t r)
   w->at->own[r] = w->at->arcs;
   for (e = w->at->first[r]; e < w->at->first[r + 1]; e++) {
     const uint8_t end = smap_after(w, e), i = w->contact[e], j = w->contact[end];
-    const float *const a = w->corner[e], *const b = w->corner[end], low = w->low[e];
-    float place[3];
-    if (low > 1.0f) {
-      smap_add_arc(w, e, a, b, i, j);
-      continue;
+    if (w->upto[e] != SMAP_NONE) {
+      smap_add_arc(w, e, e, w->upto[e], i, j);
     }
-    w->at->own[r] = SMAP_NONE;
-    if (low > 0.0f) {
-      smap_mix(a, b, low, place);
-      smap_add_arc(w, e, a, place, i, j);
+    if (w->onward[e] != SMAP_NONE) {
+      smap_add_arc(w, e, w->onward[e], end, i, j);
     }
-    if (w->low[w->twin[e]] > 0.0f) {
-      smap_mix(b, a, w->low[w->twin[e]], place);
-      smap_add_arc(w, e, place, b, i, j);
+    if (w->upto[e] != end) {
+      w->at->own[r] = SMAP_NONE;
     }
   }
 }
 
-/* Add the side of a gap that begins at a part of its edge e, and ends at that of its edge b. */
-static void smap_bound_side(smap_work_t *w, uint8_t wall, uint8_t e, uint8_t b, float part)
-{
-  const uint8_t end = smap_after(w, e), rear = smap_after(w, b);
-  float p[3], q[3];
-  smap_mix(w->corner[e], w->corner[end], part, p);
-  smap_mix(w->corner[rear], w->corner[b], part, q);
-  smap_add_arc(w, wall, p, q, w->contact[e], w->contact[e]);
-}
-
-/* Scale the walls of all corners to length 1.  That of a dot, whose direction is rounding's, lies where it bounds nothing. */
-static void smap_unit_walls(smap_work_t *w)
+/* Scale places and the walls of all corners to length 1.  That of a dot, whose direction is rounding's, lies where it
+ * bounds nothing. */
+static void smap_unit_all(smap_work_t *w)
 {
   const float least = SMAP_DOT * w->map->size * w->map->size;
   uint8_t e;
+  for (e = 0; e < w->at->places; e++) {
+    (void)smap_unit(w->region->place[e]);
+  }
   for (e = 0; e < w->at->first[w->at->rests]; e++) {
     float *const wall = w->region->wall[e];
     if (!(smap_dot(wall, wall) > least * least && smap_unit(wall))) {
@@ -56,12 +44,13 @@ static int smap_close(smap_work_t *w)
   smap_layout_t *const at = w->at;
   const uint8_t corners = at->first[at->rests];
   uint8_t e, i, r, k;
+  at->places = corners;
   for (e = 0; e < corners; e++) {
     if (w->twin[e] != SMAP_NONE && w->twin[e] > e) {
       smap_find_gap(w, e);
     }
   }
-  smap_unit_walls(w);
+  smap_unit_all(w);
   for (i = 0; i < at->rests; i++) {
     const uint8_t from = at->arcs;
     if (w->island[i] != i) {
@@ -73,10 +62,11 @@ static int smap_close(smap_work_t *w)
       }
     }
     for (k = 0; k < at->gaps; k++) {
-      if (w->island[w->rest[at->gap[k].a]] == i && at->gap[k].left >= SMAP_MAX_CORNERS) {
-        const smap_gap_t *const gap = &at->gap[k];
-        smap_bound_side(w, gap->left, gap->a, gap->b, w->low[gap->a]);
-        smap_bound_side(w, gap->right, gap->b, gap->a, w->low[gap->b]);
+      const smap_gap_t *const gap = &at->gap[k];
+      const uint8_t p = gap->place, a = w->contact[gap->a], b = w->contact[gap->b];
+      if (w->island[w->rest[gap->a]] == i) {
+        smap_add_arc(w, gap->side, p, (uint8_t)(p + 1u), a, a);
+        smap_add_arc(w, (uint8_t)(gap->side + 1u), (uint8_t)(p + 3u), (uint8_t)(p + 2u), b, b);
       }
     }
     for (r = i; r < at->rests; r++) {

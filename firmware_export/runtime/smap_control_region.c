@@ -62,6 +62,14 @@ static float smap_narrow(smap_limits_t *m, float off, float radius, float lowest
   return off;
 }
 
+/* Where the corner e of a rest is: its place is of length 1. */
+static void smap_corner(const smap_work_t *w, uint8_t e, float out[3])
+{
+  const float *const place = w->region->place[e], *const n = w->normal[w->rest[e]];
+  const float from[3] = {0.0f, 0.0f, 0.0f};
+  smap_mix(from, place, w->region->height[w->rest[e]] / smap_dot(n, place), out);
+}
+
 /* By how much (rad) the boundary of a rest may be nearer than its edges say, since a contact that hangs over it
  * carries elsewhere in the box.  Contacts are up to `off` from where they are.  The rest is then several
  * that meet at the contact, and the robot rocks over it: it is not caught where an edge is nearer than twice
@@ -72,7 +80,7 @@ static float smap_doubt(const smap_work_t *w, uint8_t rest, float off)
   const uint8_t start = w->at->first[rest];
   float most = 0.0f;
   uint8_t k;
-  for (k = 0; k < w->map->contacts; k++) {
+  for (k = 0; k < SMAP_CONTACTS(w); k++) {
     float here = 0.0f, below, place[3];
     uint8_t e = start, left = SMAP_MAX_CORNERS;
     smap_touch(w, k, n, place);
@@ -82,8 +90,10 @@ static float smap_doubt(const smap_work_t *w, uint8_t rest, float off)
     }
     do {
       float along[3], arm[3], in[3], apart, lost, size;
-      smap_minus(w->corner[smap_after(w, e)], w->corner[e], along);
-      smap_minus(place, w->corner[e], arm);
+      smap_corner(w, smap_after(w, e), along);
+      smap_corner(w, e, arm);
+      smap_minus(along, arm, along);
+      smap_minus(place, arm, arm);
       smap_cross(arm, along, in);
       size = smap_root(smap_dot(along, along));
       apart = size > 0.0f ? smap_dot(in, n) / size : 0.0f;
@@ -131,7 +141,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   own = off + most;
   off = smap_narrow(&limits, own, radius, lowest);
   if (swept->status == SMAP_OK) {
-    swept->status = smap_make_region(&limits, smap_is_turned(map), &swept->at, &swept->region, work);
+    swept->status = smap_make_region(&limits, &swept->at, &swept->region, work);
   }
   if (swept->status == SMAP_OK) {
     most = 0.0f;
@@ -143,6 +153,9 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->turned += most;
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
+    if (smap_is_turned(map)) {
+      smap_turn_region(&limits, &swept->at, &swept->region);
+    }
     swept->region.guard += swept->widened;
   }
 }
@@ -256,7 +269,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
     for (i = 0; i < 3; i++) {
       at[i] = f[i] - t * to[i];
     }
-    if (smap_absolute(smap_dot(o->side[2 * k + 1], at)) - smap_dot(o->side[2 * k], at) <= beside * (1.0f + t)) {
+    if (smap_beyond(o, &many->at.arc[k], at) <= beside * (1.0f + t)) {
       least = t;
     }
   }

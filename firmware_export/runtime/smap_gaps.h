@@ -37,32 +37,29 @@ static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t
 }
 
 /* Add the cone of a gap: between both edges, and the sides at both ends of its span, which are boundary; 0 where it is
- * twisted, or there is no room. */
-static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4], const float span[2])
+ * twisted, or there is no room.  Its places: on one side that on e and the other, then on the other side. */
+static int smap_add_gap(smap_work_t *w, uint8_t e)
 {
   const uint8_t k = w->at->gaps;
   const float least = SMAP_LEANS * w->map->size;
+  float(*const place)[3] = w->region->place + w->at->places;
   smap_gap_t *const gap = &w->at->gap[k];
-  float place[2][2][3];
   uint8_t side;
   if (SMAP_IS_FULL(w, SMAP_OF_GAPS, k, SMAP_MAX_GAPS)) {
     return 0;
   }
   gap->a = e;
   gap->b = w->twin[e];
-  gap->left = (uint8_t)(SMAP_MAX_CORNERS + 2u * k);
-  gap->right = (uint8_t)(gap->left + 1u);
+  gap->side = (uint8_t)(w->at->first[w->at->rests] + 2u * k);
+  gap->place = w->at->places;
   for (side = 0; side < 2; side++) {
-    smap_mix(corner[0], corner[1], span[side], place[side][0]);
-    smap_mix(corner[2], corner[3], span[side], place[side][1]);
-  }
-  for (side = 0; side < 2; side++) {
-    float *const wall = w->region->wall[gap->left + side];
+    const float *const from = place[side ? 3 : 0], *const to = place[side ? 2 : 1];
+    float *const wall = w->region->wall[gap->side + side];
     float along[3];
-    smap_minus(place[side][side], place[side][1 - side], along);
-    smap_cross(place[side][side], along, wall);
-    if (!smap_unit(wall) || !(smap_dot(wall, place[1 - side][0]) > least) ||
-        !(smap_dot(wall, place[1 - side][1]) > least)) {
+    smap_minus(from, to, along);
+    smap_cross(from, along, wall);
+    if (!smap_unit(wall) || !(smap_dot(wall, place[side ? 0 : 2]) > least) ||
+        !(smap_dot(wall, place[side ? 1 : 3]) > least)) {
       return 0;
     }
   }
@@ -83,9 +80,11 @@ static void smap_join(smap_work_t *w, uint8_t a, uint8_t b)
 /* Find what holds of the edge e between two rests. */
 SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
 {
+  smap_layout_t *const at = w->at;
   const uint8_t back = w->twin[e], end = smap_after(w, e), rear = smap_after(w, back);
   const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
-  const float *const corner[4] = {w->corner[e], w->corner[end], w->corner[rear], w->corner[back]};
+  float(*const place)[3] = w->region->place;
+  const float *const corner[4] = {place[e], place[end], place[rear], place[back]};
   const float square = w->map->size * w->map->size;
   float half[2][3], span[2] = {0.0f, 1.0f}, d[3], turned2;
   smap_landing_t l;
@@ -99,6 +98,10 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   smap_minus(corner[0], corner[2], half[0]);
   smap_minus(corner[1], corner[3], half[1]);
   slit = smap_dot(half[0], half[0]) + smap_dot(half[1], half[1]) < SMAP_SLIT * SMAP_SLIT * square;
+  if (SMAP_IS_FULL(w, SMAP_OF_GAPS, (at->places - at->first[at->rests]) / 4u, SMAP_MAX_GAPS) ||
+      at->places - at->first[at->rests] + 4u > SMAP_MOST_PLACES) {
+    return;
+  }
   if (!one) {
     l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
     smap_find_half(w, e, d, half);
@@ -117,19 +120,22 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     }
     span[0] = span[0] > 0.0f ? span[0] + SMAP_SPARE : 0.0f;
     span[1] = span[1] < 1.0f ? span[1] - SMAP_SPARE : 1.0f;
-    if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
+    if (!(span[0] < span[1])) {
       return;
     }
-  } else if (!slit && !SMAP_IS_FULL(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) {
-    /* The strip between them has no sides of its own, but the walls beside e. */
-    smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
-    gap->a = e;
-    gap->b = back;
-    gap->left = end;
-    gap->right = (uint8_t)(e > w->at->first[w->rest[e]] ? e - 1u : w->at->first[w->rest[e] + 1] - 1u);
   }
-  w->at->nearly = one ? 1 : w->at->nearly;
+  for (side = 0; side < 2; side++) {
+    smap_mix(corner[0], corner[1], span[side], place[at->places + 2 * side]);
+    smap_mix(corner[2], corner[3], span[side], place[at->places + 2 * side + 1]);
+  }
+  if (!slit && !smap_add_gap(w, e) && !one) {
+    return;
+  }
+  at->nearly = one ? 1 : at->nearly;
   smap_join(w, w->rest[e], w->rest[back]);
-  w->low[e] = span[0];
-  w->low[back] = 1.0f - span[1];
+  w->upto[e] = span[0] > 0.0f ? at->places : (uint8_t)SMAP_NONE;
+  w->onward[back] = span[0] > 0.0f ? (uint8_t)(at->places + 1u) : (uint8_t)SMAP_NONE;
+  w->onward[e] = span[1] < 1.0f ? (uint8_t)(at->places + 2u) : (uint8_t)SMAP_NONE;
+  w->upto[back] = span[1] < 1.0f ? (uint8_t)(at->places + 3u) : (uint8_t)SMAP_NONE;
+  at->places = (uint8_t)(at->places + 4u);
 }

@@ -241,7 +241,8 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC_GRID) && smap_check_grid(map, SMAP_BLOB(map) + map->size)
+  return smap_check_head(map, SMAP_CODEC_GRID) &&
+                 (SMAP_KNOWN || (smap_check_grid(map, SMAP_BLOB(map) + map->size)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

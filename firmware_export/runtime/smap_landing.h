@@ -65,10 +65,10 @@ static void smap_roll(const float from[3], const float to[3], const float *const
  * of the edge, N and E times its square. */
 static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
 {
-  const float *const a = w->corner[e];
+  const float *const a = w->region->place[e];
   float u[3], in[2], y[2], spare[2], au, uu, size, t = 0.5f, begin = 0.0f, last = 0.0f;
   uint8_t k, pass;
-  smap_minus(w->corner[smap_after(w, e)], a, u);
+  smap_minus(w->region->place[smap_after(w, e)], a, u);
   uu = smap_dot(u, u);
   if (!(uu > SMAP_DOT * SMAP_DOT * w->map->size * w->map->size)) {
     return 1;

@@ -57,14 +57,19 @@ enum {
 #endif
 typedef const SMAP_FLASH uint8_t *smap_bytes_t;
 
-/* An export's own tables stand at the end of its file, and its arrays are as large as its map says; a host has more. */
+/* An export's own tables stand at the end of its file, and its arrays are as large as its map says; a host has more.
+ * SMAP_KNOWN: the exporter has looked at every index and size of them, and their CRC says that they are the same. */
 #ifdef SMAP_HOST
 #define SMAP_BLOB(map) ((smap_bytes_t)(map)->blob)
+#define SMAP_KNOWN 0
 #define SMAP_ROOM(room, most) ((room) < (most) ? (room) : (most))
+#define SMAP_GIVEN(read, known) (read)
 #else
 extern const SMAP_FLASH uint8_t SMAP_OWN_BLOB[SMAP_OWN_BYTES];
 #define SMAP_BLOB(map) ((void)(map), (smap_bytes_t)SMAP_OWN_BLOB)
+#define SMAP_KNOWN 1
 #define SMAP_ROOM(room, most) (most)
+#define SMAP_GIVEN(read, known) (known)
 #endif
 
 SMAP_ALWAYS uint16_t smap_u16(smap_bytes_t at)

@@ -19,9 +19,9 @@ SMAP_INLINE int smap_three_at(const smap_t *map, const float *q, smap_three_t *o
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC_POINTS) && smap_check_axes(map) &&
-                 SMAP_BLOB(map)[SMAP_AT_CONTACTS] == 3 &&
-                 smap_check_positions(map, SMAP_BLOB(map) + map->size)
+  return smap_check_head(map, SMAP_CODEC_POINTS) &&
+                 (SMAP_KNOWN || (smap_check_axes(map) && SMAP_BLOB(map)[SMAP_AT_CONTACTS] == 3 &&
+                                 smap_check_positions(map, SMAP_BLOB(map) + map->size)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

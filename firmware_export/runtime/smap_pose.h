@@ -79,10 +79,9 @@ SMAP_INLINE int smap_is_turned(const smap_t *map)
   return SMAP_TRACKS > 1 && smap_f32(smap_body(map) + SMAP_IN_MANY + 4) != 1.0f;
 }
 
-/* Turn what was found in the frame of the axis into the body's. */
-static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint16_t n)
+static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
 {
-  uint16_t k;
+  uint8_t k;
   for (k = 0; k < n; k++) {
     const float x = v[k][0], y = v[k][1];
     v[k][0] = x * m->axis[1] + y * m->axis[0];
@@ -90,9 +89,17 @@ static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint16_t n)
   }
 }
 
-/* Make the region of contacts that are placed, and turn it if the axis is not y; SMAP_TIPS where no direction stands. */
-static int8_t smap_make_region(const smap_limits_t *m, int turned, smap_layout_t *at, smap_region_t *o,
-                               smap_work_t *work)
+/* Turn a region from the frame of the axis into the body's. */
+static void smap_turn_region(const smap_limits_t *m, const smap_layout_t *at, smap_region_t *o)
+{
+  smap_turn_back(m, o->plane, at->rests);
+  smap_turn_back(m, o->centre, at->rests);
+  smap_turn_back(m, o->wall, (uint8_t)(at->first[at->rests] + 2u * at->gaps));
+  smap_turn_back(m, o->place, at->places);
+}
+
+/* Make the region of contacts that are placed, in the frame of the axis; SMAP_TIPS where no direction stands. */
+static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_region_t *o, smap_work_t *work)
 {
   work->map = m;
   work->at = at;
@@ -105,26 +112,23 @@ static int8_t smap_make_region(const smap_limits_t *m, int turned, smap_layout_t
     at->rests = 0;
     return SMAP_TIPS;
   }
-  if (turned) {
-    smap_turn_back(m, o->plane, at->rests);
-    smap_turn_back(m, o->centre, at->rests);
-    smap_turn_back(m, o->wall, at->first[at->rests]);
-    smap_turn_back(m, o->wall + SMAP_MAX_CORNERS, (uint16_t)(2u * at->gaps));
-    smap_turn_back(m, o->side, (uint16_t)(2u * at->arcs));
-  }
   return at->rests != 0 ? (int8_t)SMAP_OK : (int8_t)SMAP_TIPS;
 }
 
 SMAP_APART static int8_t smap_make(const smap_t *map, const float *params, smap_layout_t *at, smap_region_t *o,
                                    smap_work_t *work)
 {
-  const int8_t status = smap_place(map, params, work);
+  int8_t status = smap_place(map, params, work);
   smap_limits_t m;
   if (SMAP_RARELY(status != SMAP_OK)) {
     return status;
   }
   smap_limits(map, &m);
-  return smap_make_region(&m, smap_is_turned(map), at, o, work);
+  status = smap_make_region(&m, at, o, work);
+  if (smap_is_turned(map)) {
+    smap_turn_region(&m, at, o);
+  }
+  return status;
 }
 
 static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_reading_t *out)
@@ -258,8 +262,9 @@ static int smap_check_many(const smap_t *map)
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC) && smap_check_axes(map) &&
-                 smap_check_positions(map, SMAP_BLOB(map) + map->size) && smap_check_many(map)
+  return smap_check_head(map, SMAP_CODEC) &&
+                 (SMAP_KNOWN || (smap_check_axes(map) && smap_check_positions(map, SMAP_BLOB(map) + map->size) &&
+                                 smap_check_many(map)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

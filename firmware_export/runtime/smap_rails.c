@@ -120,10 +120,10 @@ static float smap_turn_of(const smap_work_t *w, const smap_hull_t *h, uint8_t k,
 /* Find which tracks are on the upper hull of the levels at a pitch. */
 static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c)
 {
-  const uint8_t tracks = w->map->tracks;
+  const uint8_t tracks = SMAP_TRACKS_OF(w);
   float level[SMAP_TRACKS], y[SMAP_TRACKS];
   uint8_t list[SMAP_TRACKS], n = 0, k;
-  for (k = 0; k < tracks; k++) {
+  for (k = 0; tracks > 2 && k < tracks; k++) { /* two always are */
     const uint8_t i = h->disc[k];
     const float high = smap_level(w, i, s, c) - (k > 0 && k + 1 < tracks ? SMAP_RECESS * w->map->size : 0.0f);
     while (n > 1 && (level[n - 1] - level[n - 2]) * (y[n - 1] - w->p[i][1]) <=
@@ -168,7 +168,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   for (j = 0; j < count; j++) {
     smap_touch_at(w, id[j], s, c, p[j]);
   }
-  for (j = 0; j < w->map->contacts; j++) {
+  for (j = 0; j < SMAP_CONTACTS(w); j++) {
     extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
   }
   first = smap_add_rest(w, n, p, id, count, extent, 0);
@@ -199,7 +199,8 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
 /* Let all that changes at a pitch change: bends, and which tracks are on the hull.  Returns whether any has. */
 static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
 {
-  const uint8_t tracks = w->map->tracks;
+  const uint8_t tracks = SMAP_TRACKS_OF(w);
+  const float later = s + 1.5f * SMAP_UNITE * c;
   uint8_t k, left, any = 0;
   memcpy(h->was, h->on, sizeof h->was);
   memcpy(h->old, h->disc, sizeof h->old);
@@ -211,13 +212,10 @@ static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
       smap_next_bend(w, h, k, h->bend[k]);
     }
   }
-  if (tracks > 2) {
-    const float later = s + 1.5f * SMAP_UNITE * c;
-    smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
-    for (k = 1; k + 1 < tracks; k++) {
-      h->changed[k] = h->on[k] != h->was[k];
-      any |= h->changed[k];
-    }
+  smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
+  for (k = 1; k + 1 < tracks; k++) {
+    h->changed[k] = h->on[k] != h->was[k];
+    any |= h->changed[k];
   }
   return any;
 }
@@ -234,7 +232,7 @@ static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   float level[SMAP_TRACKS + 1], plane[3] = {s, 0.0f, c};
   uint8_t list[SMAP_TRACKS + 1], n = 0, from, to, k, side = SMAP_NONE;
-  for (k = 0; k < w->map->tracks; k++) {
+  for (k = 0; k < SMAP_TRACKS_OF(w); k++) {
     if (h->was[k] || h->on[k]) {
       level[n] = smap_level(w, h->old[k], s, c);
       list[n++] = k;
@@ -270,7 +268,7 @@ static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
   const float c = SMAP_BEFORE * m->steepest, s = -smap_root(1.0f - c * c);
   const float d = SMAP_EARLIER * m->steepest, early = -smap_root(1.0f - d * d);
   uint8_t k, i;
-  for (k = 0; k < m->tracks; k++) {
+  for (k = 0; k < SMAP_TRACKS_OF(w); k++) {
     const uint8_t first = m->first[k];
     float most = -SMAP_LARGEST;
     h->disc[k] = first; /* of places that are no numbers, too */
@@ -297,7 +295,7 @@ static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
 /* Add the rests of a posture. */
 SMAP_APART static void smap_find_rests(smap_work_t *w)
 {
-  const uint8_t tracks = w->map->tracks;
+  const uint8_t tracks = SMAP_TRACKS_OF(w);
   const float end = smap_root(1.0f - w->map->steepest * w->map->steepest);
   smap_hull_t h;
   float c, before = smap_lay_out(w, &h);

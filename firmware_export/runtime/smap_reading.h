@@ -43,11 +43,28 @@ static int smap_is_in_gap(const smap_layout_t *at, const smap_region_t *o, const
   for (k = 0; k < at->gaps; k++) {
     const smap_gap_t *const gap = &at->gap[k];
     if (smap_dot(o->wall[gap->a], g) <= 0.0f && smap_dot(o->wall[gap->b], g) <= 0.0f &&
-        smap_dot(o->wall[gap->left], g) >= 0.0f && smap_dot(o->wall[gap->right], g) >= 0.0f) {
+        smap_dot(o->wall[gap->side], g) >= 0.0f && smap_dot(o->wall[gap->side + 1], g) >= 0.0f) {
       return 1;
     }
   }
   return 0;
+}
+
+/* How far (sine) a direction is beyond the nearer end of an arc, along its wall; 0 between them.  LARGEST behind it. */
+SMAP_INLINE float smap_beyond(const smap_region_t *o, const smap_arc_t *arc, const float g[3])
+{
+  const float *const from = o->place[arc->from], *const to = o->place[arc->to];
+  float along[3], before, after;
+  smap_cross(g, o->wall[arc->wall], along);
+  before = smap_dot(from, along);
+  after = smap_dot(to, along);
+  if (before > 0.0f && smap_dot(from, g) > 0.0f) {
+    return before;
+  }
+  if (after < 0.0f && smap_dot(to, g) > 0.0f) {
+    return -after;
+  }
+  return before > 0.0f || after < 0.0f ? SMAP_LARGEST : 0.0f;
 }
 
 /* The distance (sine) of a direction from arcs, 1 where that is further than a right angle, and which is nearest.
@@ -58,8 +75,7 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
   float least = 1.0f;
   uint8_t k;
   for (k = from; k < till; k++) {
-    const float *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
-    float away = side * smap_dot(o->wall[at->arc[k].wall], g), aside, ahead;
+    float away = side * smap_dot(o->wall[at->arc[k].wall], g), beyond;
     if (!(away >= -SMAP_BEHIND) && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) {
       continue;
     }
@@ -67,12 +83,8 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
     if (!(away < least)) {
       continue;
     }
-    aside = smap_absolute(smap_dot(t, g));
-    ahead = smap_dot(m, g);
-    if (ahead < 0.0f && ahead * smap_dot(t, t) + aside * smap_dot(m, m) < 0.0f) {
-      continue; /* even the nearer end is behind */
-    }
-    away += aside > ahead ? (aside - ahead) * (aside - ahead) : 0.0f;
+    beyond = smap_beyond(o, &at->arc[k], g);
+    away += beyond * beyond;
     if (away < least) {
       least = away;
       *which = k;

@@ -15,7 +15,7 @@ typedef struct {
   int16_t plane[SMAP_MAX_RESTS][3];
   int16_t centre[SMAP_MAX_RESTS][3]; /* in two steps of sdg */
   int16_t wall[SMAP_WALLS][3];
-  int16_t side[2 * SMAP_MAX_ARCS][3];
+  int16_t place[SMAP_PLACES][3];
 } smap_region_i_t;
 
 /* The nearest whole number of what is less than 2^22: the last digits of a sum whose last is worth 1. */
@@ -54,9 +54,8 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float s
   }
   smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre); /* a contact is at most 16,000 steps away */
   smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
-  smap_scale_i(o->wall, at->first[at->rests], (float)SMAP_ONE_I, i->wall);
-  smap_scale_i(o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_MAX_CORNERS);
-  smap_scale_i(o->side, (uint16_t)(2u * at->arcs), (float)SMAP_ONE_I, i->side);
+  smap_scale_i(o->wall, (uint16_t)(at->first[at->rests] + 2u * at->gaps), (float)SMAP_ONE_I, i->wall);
+  smap_scale_i(o->place, at->places, (float)SMAP_ONE_I, i->place);
   /* D = g 32767 least / (2 step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */
   factor = (float)SMAP_ONE_I * least * 0.5f / step;
   k = (uint8_t)(smap_bits(factor) >> 23);
@@ -70,12 +69,6 @@ SMAP_INLINE int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 {
   /* Summed without sign: only walls of a damaged map can be too long, and they may wrap. */
   return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
-}
-
-SMAP_INLINE int32_t smap_square_i(const int16_t a[3])
-{
-  const int32_t b[3] = {a[0], a[1], a[2]};
-  return smap_dot_i(a, b);
 }
 
 /* As smap_inside; 32767 |g| times the sine. */
@@ -101,11 +94,28 @@ static int smap_is_in_gap_i(const smap_layout_t *at, const smap_region_i_t *o, c
   for (k = 0; k < at->gaps; k++) {
     const smap_gap_t *const gap = &at->gap[k];
     if (smap_dot_i(o->wall[gap->a], g) <= 0 && smap_dot_i(o->wall[gap->b], g) <= 0 &&
-        smap_dot_i(o->wall[gap->left], g) >= 0 && smap_dot_i(o->wall[gap->right], g) >= 0) {
+        smap_dot_i(o->wall[gap->side], g) >= 0 && smap_dot_i(o->wall[gap->side + 1], g) >= 0) {
       return 1;
     }
   }
   return 0;
+}
+
+/* As smap_beyond, and by a doubt more; |g| times the sine. */
+SMAP_INLINE int32_t smap_beyond_i(const smap_region_i_t *o, const smap_arc_t *arc, const int32_t g[3], int32_t doubt)
+{
+  const int16_t *const m = o->wall[arc->wall], *const from = o->place[arc->from], *const to = o->place[arc->to];
+  const int32_t along[3] = {(int32_t)((uint32_t)(g[1] * m[2]) - (uint32_t)(g[2] * m[1])) >> 15,
+                            (int32_t)((uint32_t)(g[2] * m[0]) - (uint32_t)(g[0] * m[2])) >> 15,
+                            (int32_t)((uint32_t)(g[0] * m[1]) - (uint32_t)(g[1] * m[0])) >> 15};
+  const int32_t before = (smap_dot_i(from, along) >> 15) + doubt, after = (smap_dot_i(to, along) >> 15) - doubt;
+  if (before > 0 && smap_dot_i(from, g) > 0) {
+    return before;
+  }
+  if (after < 0 && smap_dot_i(to, g) > 0) {
+    return -after;
+  }
+  return before > 0 || after < 0 ? 65535 : 0;
 }
 
 /* As smap_nearest; |g| times the sine, rounded down.  In doubt about an arc that is so short that it has no digits
@@ -117,22 +127,14 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o,
   uint32_t least = (length - 1u) * (length - 1u);
   uint8_t k;
   for (k = ends[0]; k < ends[1]; k++) {
-    const int16_t *const m = o->side[2 * k], *const t = o->side[2 * k + 1];
     const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
-    uint32_t square = (uint32_t)away * (uint32_t)away;
-    int32_t aside, ahead;
+    uint32_t square = (uint32_t)away * (uint32_t)away, beyond;
     if (((tips ? away : -away) > SMAP_BEHIND_I && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) || square >= least) {
       continue;
     }
-    aside = smap_dot_i(t, g) >> 15;
-    aside = aside < 0 ? -aside : aside;
-    ahead = smap_dot_i(m, g) >> 15;
-    if (ahead < doubt && ahead * (smap_square_i(t) >> 15) + aside * (smap_square_i(m) >> 15) < doubt * SMAP_ONE_I) {
-      continue;
-    }
-    square += aside > ahead ? (uint32_t)(aside - ahead) * (uint32_t)(aside - ahead) : 0u;
-    if (square < least) {
-      least = square;
+    beyond = (uint32_t)smap_beyond_i(o, &at->arc[k], g, doubt);
+    if (beyond * beyond < least - square) {
+      least = square + beyond * beyond;
       *which = k;
     }
   }

@@ -6,9 +6,12 @@
  * of mass, and the boundary of them all as arcs of great circles.
  *
  * A corner of a rest has a number, and so have the edge from it to the next one, counter-clockwise seen from
- * the centre of mass, and the wall through that edge.  Behind the walls of all corners come the two sides of each gap. */
+ * the centre of mass, and the wall through that edge.  Behind the walls of all corners come the two sides of each gap,
+ * and behind the corners the four places at which the held parts of edges begin and end. */
 #define SMAP_NONE 255u
 #define SMAP_WALLS (SMAP_MAX_CORNERS + 2 * SMAP_MAX_GAPS)
+#define SMAP_MOST_PLACES 100u /* behind the corners; their numbers are of 8 bits */
+#define SMAP_PLACES (SMAP_MAX_CORNERS + (SMAP_MAX_GAPS < 25u ? 4u * SMAP_MAX_GAPS : SMAP_MOST_PLACES))
 #define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
 #define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
 #define SMAP_OVERLAP 2u   /* where rests may, as those on which axles swing */
@@ -26,30 +29,29 @@ typedef struct {
 enum { SMAP_OF_RESTS, SMAP_OF_CORNERS, SMAP_OF_GAPS, SMAP_OF_ARCS, SMAP_OF_FACETS, SMAP_ROOMS };
 
 typedef struct {
-  uint8_t a, b, left, right; /* its walls: those of its edges, which it is behind, and its sides */
+  uint8_t a, b, side, place; /* walls of its edges, which it is behind, the first of two sides; the first of its places */
 } smap_gap_t;
 
 typedef struct {
-  uint8_t wall, over[2]; /* on which wall it lies; the recipe's numbers of the contacts at its ends */
+  uint8_t wall, from, to, over[2]; /* its wall and its places; the recipe's numbers of the contacts at its ends */
 } smap_arc_t;
 
 /* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
  * that a rest belongs to, and `own` is the first of its own if all of its edges are boundary, else SMAP_NONE. */
 typedef struct {
-  uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one, or SMAP_OVERLAP */
+  uint8_t rests, gaps, arcs, places, nearly; /* nearly: there are rests whose planes are all but one, or SMAP_OVERLAP */
   uint8_t first[SMAP_MAX_RESTS + 1];     /* corner of each rest */
   uint8_t own[SMAP_MAX_RESTS], from[SMAP_MAX_RESTS], till[SMAP_MAX_RESTS];
   smap_gap_t gap[SMAP_MAX_GAPS];
   smap_arc_t arc[SMAP_MAX_ARCS];
 } smap_layout_t;
 
-/* The form for floats.  `plane` is n / h.  Two vectors of `side` belong to each arc: its middle times the sine of half of
- * it, and behind that its direction there times the cosine. */
+/* The form for floats.  `plane` is n / h; walls and places are of length 1, but places only at the end. */
 typedef struct {
   float guard; /* the sine that is taken off every distance */
   float plane[SMAP_MAX_RESTS][3], centre[SMAP_MAX_RESTS][3], height[SMAP_MAX_RESTS];
   float wall[SMAP_WALLS][3];
-  float side[2 * SMAP_MAX_ARCS][3];
+  float place[SMAP_PLACES][3];
 } smap_region_t;
 
 /* What is only needed while a pose is made. */
@@ -60,12 +62,16 @@ typedef struct {
   float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
   uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls; how many there are */
   float normal[SMAP_MAX_RESTS][3];
-  float corner[SMAP_MAX_CORNERS][3], low[SMAP_MAX_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
+  uint8_t upto[SMAP_MAX_CORNERS], onward[SMAP_MAX_CORNERS]; /* an edge is boundary up to one place, and from one on */
   uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
   uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
   uint8_t facets; /* that were looked at */
   uint8_t full;   /* whether there was no room for an arc: the pose has failed */
 } smap_work_t;
+
+/* How many there are: of its own map a compiler knows it. */
+#define SMAP_CONTACTS(w) SMAP_GIVEN((w)->map->contacts, SMAP_MAX_CONTACTS - 2 * SMAP_PIVOTS)
+#define SMAP_TRACKS_OF(w) SMAP_GIVEN((w)->map->tracks, SMAP_TRACKS)
 
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
@@ -127,7 +133,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
       SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
-  for (i = 0; i < w->map->contacts; i++) {
+  for (i = 0; i < SMAP_CONTACTS(w); i++) {
     if (extent[i] > height + SMAP_BELOW * size) {
       return SMAP_NONE;
     }
@@ -139,7 +145,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     float q[SMAP_MAX_CONTACTS][3];
     uint8_t all[SMAP_MAX_CONTACTS];
     near = 0;
-    for (i = 0; i < w->map->contacts; i++) {
+    for (i = 0; i < SMAP_CONTACTS(w); i++) {
       if (extent[i] >= height - w->map->tolerance) {
         smap_touch(w, i, n, q[near]);
         all[near++] = i;
@@ -153,13 +159,15 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   }
   for (i = 0; i < count; i++) {
     const uint8_t e = (uint8_t)(first + i);
-    memcpy(w->corner[e], p[i], sizeof w->corner[e]);
-    smap_cross(p[i + 1 < count ? i + 1 : 0], p[i], o->wall[e]); /* of length 1 only at the end */
+    const uint8_t next = i + 1 < count ? (uint8_t)(i + 1) : (uint8_t)0;
+    memcpy(o->place[e], p[i], sizeof p[i]);
+    smap_cross(p[next], p[i], o->wall[e]); /* of length 1 only at the end */
     w->contact[e] = id[i];
     w->rest[e] = r;
     w->twin[e] = SMAP_NONE;
     w->joined[e] = 0;
-    w->low[e] = 2.0f;
+    w->upto[e] = (uint8_t)(first + next);
+    w->onward[e] = SMAP_NONE;
   }
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
@@ -186,32 +194,18 @@ static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
   }
 }
 
-/* Add the part of the boundary on a wall from one place to another. */
-static void smap_add_arc(smap_work_t *w, uint8_t wall, const float from[3], const float to[3], uint8_t i, uint8_t j)
+/* Add the part of the boundary on a wall from one place to another, which is counter-clockwise seen from the com. */
+static void smap_add_arc(smap_work_t *w, uint8_t wall, uint8_t from, uint8_t to, uint8_t i, uint8_t j)
 {
-  const uint8_t at = w->at->arcs;
-  float *const amid = w->region->side[2 * at], *const along = w->region->side[2 * at + 1];
-  float a[3], b[3], ratio, square;
-  uint8_t k;
-  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
+  smap_arc_t *const arc = &w->at->arc[w->at->arcs];
+  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, w->at->arcs, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
-  memcpy(a, from, sizeof a);
-  memcpy(b, to, sizeof b);
-  (void)smap_unit(a);
-  (void)smap_unit(b);
-  smap_mix(a, b, 0.5f, amid); /* times the cosine of half of it */
-  smap_minus(b, a, along);
-  square = 0.25f * smap_dot(along, along); /* of the sine of half of it */
-  ratio = smap_root(square / (1.0f - square));
-  smap_cross(w->region->wall[wall], amid, along); /* at a right angle, however short it is */
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    amid[k] *= ratio;
-  }
-  w->at->arc[at].wall = wall;
-  w->at->arc[at].over[0] = w->map->named[i];
-  w->at->arc[at].over[1] = w->map->named[j];
-  w->at->arcs = (uint8_t)(at + 1u);
+  arc->wall = wall;
+  arc->from = from;
+  arc->to = to;
+  arc->over[0] = w->map->named[i];
+  arc->over[1] = w->map->named[j];
+  w->at->arcs++;
 }

@@ -39,7 +39,7 @@ static uint8_t smap_survey(smap_search_t *s, const float n[3], uint8_t i, uint8_
   }
   smap_touch(s->w, i, n, s->there[i]);
   level = smap_dot(s->there[i], n);
-  for (l = 0; l < s->w->map->contacts; l++) {
+  for (l = 0; l < SMAP_CONTACTS(s->w); l++) {
     float below;
     smap_touch_by(s->w, l, smap_is_disc(s->w, l) ? reach[s->w->axle_of[l]] : n, s->there[l]);
     below = smap_dot(s->there[l], n) - level;
@@ -94,7 +94,7 @@ static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const fl
   const float size = s->w->map->size, touches = SMAP_TOUCHES * size;
   uint8_t l, to = SMAP_NONE;
   *cotangent = -SMAP_LARGEST;
-  for (l = 0; l < s->w->map->contacts; l++) {
+  for (l = 0; l < SMAP_CONTACTS(s->w); l++) {
     float b[3], lever, low;
     if (l == i || l == j || skip[l]) {
       continue;
@@ -124,7 +124,7 @@ static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const floa
   const float *const r = s->w->r;
   const float least = r[i] < r[j] ? r[i] : r[j];
   uint8_t l;
-  for (l = 0; l < s->w->map->contacts; l++) {
+  for (l = 0; l < SMAP_CONTACTS(s->w); l++) {
     const float reach = r[l] + (r[l] > least ? 3.0f * (r[l] - least) : 0.0f);
     float b[3];
     smap_minus(s->there[l], s->there[i], b);

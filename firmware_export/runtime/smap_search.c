@@ -162,7 +162,7 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   smap_facet_t *const f = &s->facet[s->facets];
   float p[SMAP_MAX_CONTACTS][3], extent[SMAP_MAX_CONTACTS];
   uint8_t id[SMAP_MAX_CONTACTS], count = 0, k, flat = 0, alone = 0;
-  for (k = 0; k < w->map->contacts; k++) {
+  for (k = 0; k < SMAP_CONTACTS(w); k++) {
     extent[k] = smap_dot(s->there[k], n);
     if (extent[k] >= top) {
       id[count++] = k;
@@ -220,10 +220,10 @@ static uint8_t smap_edge_of(const smap_facet_t *f, uint8_t i, uint8_t j)
 }
 
 /* Find a first facet: lower a level plane, tilt it towards the middle of all contacts onto a second one, and over both to
- * either side. */
+ * one side or the other. */
 static void smap_begin_search(smap_search_t *s)
 {
-  const uint8_t contacts = s->w->map->contacts;
+  const uint8_t contacts = SMAP_CONTACTS(s->w);
   float n[3] = {0.0f, 0.0f, -1.0f}, across[3], b[3] = {0.0f, 0.0f, 0.0f}, t[3];
   uint8_t i = 0, j, k, l, way;
   (void)smap_survey(s, n, 0, SMAP_NONE, SMAP_NONE, SMAP_NOISY);
@@ -241,7 +241,9 @@ static void smap_begin_search(smap_search_t *s)
   }
   smap_cross(n, t, across);
   j = smap_tilt(s, i, SMAP_NONE, across, t, n);
-  for (way = 0; way < 2 && j != SMAP_NONE; way++) {
+  /* A rest on three has the edge between both, and leads to what is beyond it. */
+  for (way = 0; way < 2 && j != SMAP_NONE && !(s->facets > 0 && s->facet[0].first != SMAP_NONE &&
+                                                   s->facet[0].count == 3); way++) {
     float m[3] = {n[0], n[1], n[2]};
     (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
     smap_minus(s->there[way ? i : j], s->there[way ? j : i], b);
@@ -259,7 +261,7 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
 {
   smap_search_t s;
   uint8_t f, e, k, low = 0, balls = 0, rims = 0;
-  for (k = 0; k < w->map->contacts; k++) {
+  for (k = 0; k < SMAP_CONTACTS(w); k++) {
     rims |= (uint8_t)smap_is_disc(w, k);
     balls |= (uint8_t)(w->r[k] > 0.0f && !smap_is_disc(w, k));
   }

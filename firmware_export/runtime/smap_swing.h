@@ -34,7 +34,7 @@ typedef struct {
 /* Find where the axle carries whose first contact is i; 0 where it does not. */
 static int smap_find_pivot(const smap_work_t *w, uint8_t i, const float n[3], smap_axle_t *axle)
 {
-  const uint8_t at = (uint8_t)(w->map->contacts + i);
+  const uint8_t at = (uint8_t)(SMAP_CONTACTS(w) + i);
   float *const pivot = axle->load[0], *const com = axle->load[1];
   float d[3], across[3], slope, part, apart, rise, further;
   uint8_t k;
@@ -94,8 +94,8 @@ static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3
   const float depth = level - smap_dot(axle->rest, n);
   float p[SMAP_MAX_CONTACTS][3], arm[SMAP_MAX_CONTACTS][3], lever[3], side[3], wall[3], own[3];
   uint8_t id[SMAP_MAX_CONTACTS], count = 0, last, k, l;
-  for (k = 0; k <= w->map->contacts; k++) { /* the pivot comes last */
-    const int pivot = k == w->map->contacts;
+  for (k = 0; k <= SMAP_CONTACTS(w); k++) { /* the pivot comes last */
+    const int pivot = k == SMAP_CONTACTS(w);
     float low, rise;
     if (k == axle->own || k == axle->own + 1 || (!pivot && !(extent[k] >= level))) {
       continue;
@@ -180,7 +180,7 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
   if (own == SMAP_NONE || !one || !smap_find_pivot(w, own, n, &axle)) {
     return own != SMAP_NONE;
   }
-  for (k = 0; k < m->contacts; k++) {
+  for (k = 0; k < SMAP_CONTACTS(w); k++) {
     if (extent[k] >= level) {
       smap_touch(w, k, n, p[count]);
       for (l = 0; l < 3; l++) {

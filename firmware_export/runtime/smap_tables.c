@@ -88,8 +88,9 @@ static int smap_check_places(const smap_t *map)
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC_TABLES) && smap_check_axes(map) &&
-                 smap_check_tables(map, SMAP_BLOB(map) + map->size) && smap_check_places(map)
+  return smap_check_head(map, SMAP_CODEC_TABLES) &&
+                 (SMAP_KNOWN || (smap_check_axes(map) && smap_check_tables(map, SMAP_BLOB(map) + map->size) &&
+                                 smap_check_places(map)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

@@ -170,7 +170,8 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
 
 static int8_t smap_run_check(const smap_t *map)
 {
-  return smap_check_head(map, SMAP_CODEC_TABLES) && smap_check_tables(map, SMAP_BLOB(map) + map->size)
+  return smap_check_head(map, SMAP_CODEC_TABLES) &&
+                 (SMAP_KNOWN || (smap_check_tables(map, SMAP_BLOB(map) + map->size)))
              ? SMAP_OK
              : SMAP_CORRUPT;
 }

@@ -6,6 +6,10 @@ onto a convex cone), so 1 - (v . P)^2 of its energy is kept: (z / r)^2 over the 
 r from a com z above it.  A body keeps less, as its own inertia takes momentum for each angle.  What
 is kept must not lift the com over the lowest edge, wherever that is: a robot that pitches on a
 corner lands askew, and goes on sideways.
+
+On a slope the com also sinks while contacts are in the air.  Energy that would lift it by h throws
+it up at u and aside at w, u^2 + w^2 = 2 g h; against a tip angle a it is up for 2 u / (g sin a),
+and goes w times that, at most 2 h / sin a.  So h grows by 2 h sin(slope) / sin a.
 """
 
 import math
@@ -19,8 +23,7 @@ from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import evaluate
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
-from lutgen.rotation import axis_rotation
-from lutgen.vector import Floats
+from lutgen.vector import Floats, axis_rotation
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 # Part of a polygon's width: contacts nearer to an edge belong to it, and not to what is behind it.
@@ -69,8 +72,11 @@ def stop_speeds(
     level = np.stack([np.cos(heading), np.sin(heading), np.zeros(heading.shape)], axis=1)
     ahead = level @ gravity_transform(-facet.normal).T
     speeds, least = np.full(heading.shape, math.inf), math.inf
-    for lean, rise in leans(facet, down, bump / metre):
-        left = energy - rise if rise < energy else 0.0
+    tip_angle = float(found["tip_angle"][0, 0])
+    slope = float(np.linalg.norm(np.cross(facet.normal, down)))  # its sine
+    for lean, turned, rise in leans(facet, down, bump / metre):
+        back = math.sin(min(max(tip_angle - turned, 0.0), math.pi / 2.0))
+        left = (energy - rise) * back / (back + 2.0 * slope) if rise < energy else 0.0
         whole = math.sqrt(2.0 * STANDARD_GRAVITY * metre * left)
         speeds = np.minimum(speeds, whole / np.sqrt(_kept(facet.points, ahead @ lean)))
         least = min(least, whole)
@@ -90,20 +96,21 @@ def _kept(corners: Floats, ahead: Floats) -> Floats:
     return np.asarray(np.maximum(kept, STOPPED))
 
 
-def leans(facet: Facet, down: Floats, bump: float) -> Iterator[tuple[Floats, float]]:
-    """Yield how a bump (length) turns the robot (3, 3) over each edge, and how far its com rises.
+def leans(facet: Facet, down: Floats, bump: float) -> Iterator[tuple[Floats, float, float]]:
+    """Yield how a bump (length) turns the robot over each edge, and how far its com rises.
 
-    The contact that comes up is the one behind the edge that is nearest to it, which turns the
-    robot most.
+    The turn comes as a matrix (3, 3) and as an angle (rad).  The contact that comes up is the one
+    behind the edge that is nearest to it, which turns the robot most.
     """
     if bump == 0.0:
-        yield np.eye(3), 0.0
+        yield np.eye(3), 0.0, 0.0
         return
     for start, stop in zip(facet.points, np.roll(facet.points, -1, axis=0), strict=True):
         edge = (stop - start) / np.linalg.norm(stop - start)
         behind = np.abs((facet.touching_points - start) @ np.cross(facet.normal, edge))
         nearest = float(behind[behind > ON_EDGE * behind.max()].min())
-        lean = axis_rotation(tuple(edge.tolist()), -math.asin(min(bump / nearest, 1.0)))
+        turned = math.asin(min(bump / nearest, 1.0))
+        lean = axis_rotation(tuple(edge.tolist()), -turned)
         rise = float((lean @ start - start) @ down)
         passed = bump >= nearest or down @ lean @ np.cross(start, stop) <= 0.0
-        yield lean, math.inf if passed else rise
+        yield lean, turned, math.inf if passed else rise

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lutgen.channels import Scanner
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError
-from lutgen.mapping.blocks import Block, Plan, plan
+from lutgen.mapping.seal import Block, Plan, plan
 from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
 
@@ -79,26 +79,21 @@ def expected_seconds(recipe: Recipe) -> float:
 def require_standing(recipe: Recipe) -> None:
     """Refuse a recipe whose robot stands in none of its postures, in no direction of its chart.
 
-    3 knots of every parameter and 9 x 9 directions of each face are looked at, and if it stands
-    nowhere there, every node up to `AT_MOST` readings.
+    Few directions are looked at first, and if it stands in none, all up to `AT_MOST` readings.
     """
-    grid, chart = recipe.grid, recipe.chart
-    coarse = [np.unique([0, axis.size // 2, axis.size - 1]) for axis in grid.axes[:6]]
-    coarse += [np.array([axis.size // 2]) for axis in grid.axes[6:]]
-    index = np.meshgrid(*coarse, indexing="ij")
-    some = np.ravel_multi_index(tuple(index), grid.shape).ravel() if index else np.zeros(1, np.intp)
+    size, chart = recipe.grid.size, recipe.chart
     few = Chart(chart.kind, min(chart.nodes, COARSE_NODES), chart.max_tilt)
-    if _any_stands(recipe, some, few):
+    for looked in (few, chart):
+        directions = math.prod(looked.shape)
+        # Each time postures from everywhere.
+        times = min(size, -(-size * directions // AT_ONCE))
+        for first in range(min(times, AT_MOST // max(directions, AT_ONCE))):
+            if _any_stands(recipe, np.arange(first, size, times), looked):
+                return
+    if size * directions > AT_MOST:
         return
-    directions = math.prod(chart.shape)
-    step = max(1, AT_ONCE // directions)
-    for begin in range(0, grid.size, step):
-        if begin * directions > AT_MOST:
-            return
-        if _any_stands(recipe, np.arange(begin, min(begin + step, grid.size)), chart):
-            return
     raise RecipeError(
-        f"{recipe.source}: key `robot.contact`: the robot stands in none of its {grid.size} "
+        f"{recipe.source}: key `robot.contact`: the robot stands in none of its {size} "
         f"postures under any of the {directions} gravity directions of its chart (got contacts "
         f"{', '.join(recipe.contact_names)}); {TO_STAND}"
     )

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from lutgen._version import __version__
 from lutgen.errors import InputError, LutgenError, SweepError
-from lutgen.mapping.blocks import Plan
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.part import PartFile
+from lutgen.mapping.seal import Plan
 from lutgen.recipe import Recipe, parse_recipe
 
 # Blocks that are out at a time for each worker: one to compute, one to go on with.
@@ -68,8 +68,7 @@ def compute_there(
 ) -> Generator[int, None, None]:
     """Compute every block that is not done on workers; yield its number when it is written.
 
-    `threads` are those of each worker, all that it has by default.  SweepError is raised where no
-    worker is left, or a block cannot be computed anywhere.
+    `threads` are those of each worker, all that it has by default.
     """
     job = Job(recipe.text, recipe.urdf, recipe.source, layout, threads)
     todo = iter(np.flatnonzero(~file.done).tolist())
@@ -126,10 +125,7 @@ def _version() -> tuple[str, str]:
 
 @contextmanager
 def connected(scheduler: str | None) -> Iterator[Any]:
-    """Connect to a scheduler; without an address to one inside this process, with one worker.
-
-    InputError is raised where the scheduler cannot be reached.
-    """
+    """Connect to a scheduler; without an address to one inside this process, with one worker."""
     # They log tracebacks of what is said here in a sentence.
     for name in ("distributed.client", "distributed.comm.core"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen._version import __version__
-from lutgen.mapping.blocks import Plan
-from lutgen.mapping.seal import ATTRIBUTE, BLANK, DEFINITION, DIGEST, Storage
+from lutgen.mapping.seal import ATTRIBUTE, BLANK, DEFINITION, DIGEST, Plan, Storage
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
@@ -26,10 +25,9 @@ DIGESTS, ROWS = "seal/blocks", "rows"
 
 @dataclass(frozen=True)
 class Head:
-    """The layout of one map file.
+    """The layout of one map file of `size` bytes.
 
-    `data` is its beginning, with zeros for the digests of blocks, which stand at the bytes
-    `digests`; the values are where `storage` says, and `size` is the size of the file.
+    `data` is its beginning, with zeros for the digests of blocks, at the bytes `digests`.
     """
 
     data: bytes
@@ -86,7 +84,6 @@ def lay_out(recipe: Recipe, layout: Plan, complete: bool) -> Head:
 
 def _attributes(recipe: Recipe, complete: bool) -> dict[str, Any]:
     """Return the root attributes; the seal comes first, to be found near the file's beginning."""
-    urdf = {} if recipe.urdf is None else {"urdf": recipe.urdf}
     return {
         ATTRIBUTE: BLANK,
         "Conventions": "CF-1.10",
@@ -96,7 +93,7 @@ def _attributes(recipe: Recipe, complete: bool) -> dict[str, Any]:
         "lutgen_definition": DEFINITION,
         "lutgen_version": __version__,
         "recipe": recipe.text,
-        **urdf,
+        **({} if recipe.urdf is None else {"urdf": recipe.urdf}),
         "recipe_sha256": recipe.digest,
         "chart": recipe.chart.kind,
         COMPLETE: int(complete),

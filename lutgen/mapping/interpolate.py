@@ -43,13 +43,11 @@ def _corners(
 def interpolate(
     values: NDArray[np.floating], places: Sequence[Place], extra: tuple[NDArray[np.intp], ...] = ()
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Interpolate, leaving NaN nodes out; return results (m,) and shares (m,).
+    """Return means (m,) of the cells' corners that are not NaN, and the shares (m,) of these.
 
     The axes of `values` are in the order of `places`, whose last two are v and u, with those of
-    `extra` in between, taken as they are: the face of each query (m,).  A result is the mean of
-    the cell's corners that are not NaN, with their weights made to add up to 1, and NaN where no
-    corner with a weight is a number.  A share is that of the weight that was on numbers: 1 away
-    from the tip-over boundary.
+    `extra` in between, taken as they are: the face of each query (m,).  A result is NaN where no
+    corner with a weight is a number; a share is 1 away from the tip-over boundary.
     """
     total, present = np.zeros((2, len(places[-1][0])))
     for node, weight in _corners(values, places, extra):
@@ -65,10 +63,7 @@ def interpolate(
 def worst(
     values: NDArray[np.uint8], places: Sequence[Place], extra: tuple[NDArray[np.intp], ...] = ()
 ) -> NDArray[np.uint8]:
-    """Return the largest value (m,) among the corners of each query's cell that have a weight.
-
-    Parameters as for `interpolate`.
-    """
+    """Return the largest value (m,) among the corners of each query's cell that have a weight."""
     largest = np.zeros(len(places[-1][0]), np.uint8)
     for node, weight in _corners(values, places, extra):
         largest = np.where(weight > 0.0, np.maximum(largest, node), largest)

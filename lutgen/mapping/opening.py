@@ -8,9 +8,8 @@ import h5py
 import numpy as np
 
 from lutgen.errors import LutgenError, MapFileError, reject
-from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import COMPLETE, DIGESTS, FORMAT, ROWS
-from lutgen.mapping.seal import DEFINITION, Storage, check_seal
+from lutgen.mapping.seal import DEFINITION, Plan, Storage, check_seal
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
@@ -20,15 +19,9 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
     """Open a map file.
 
     MapFileError is raised if it is missing, held by another program, no lutgen map, damaged,
-    rewritten, incomplete, or of another format or definition of what stands.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    unsealed : bool
-        Whether a map that another program has rewritten or edited is read, too.  Its values may be
-        wrong then, and a file that was made to do harm may crash HDF5.
+    rewritten, incomplete, or of another format or definition of what stands.  One that another
+    program has rewritten or edited is read if it may be `unsealed`: its values may be wrong then,
+    and a file that was made to do harm may crash HDF5.
     """
     name, sealed = os.fspath(path), True
     try:

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError, reject
-from lutgen.mapping.blocks import Plan
 from lutgen.mapping.head import lay_out
-from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, sealed
+from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, Plan, sealed
 from lutgen.recipe import Recipe
 
 try:

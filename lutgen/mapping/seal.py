@@ -1,29 +1,95 @@
-"""Compute the digests of a map file: of each block, and the seal of its head.
+"""Cut a map into blocks of rows; compute the digest of each block, and the seal of the head.
 
 The head holds the digests of all blocks, so the seal stands for every byte of the file.  It is
 checked before HDF5 reads the file, because HDF5 can crash on damaged metadata.
 """
 
 import io
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from blake3 import blake3
 
 from lutgen.errors import MapFileError
-from lutgen.mapping.blocks import Plan
 from lutgen.quantities import QUANTITIES
+from lutgen.recipe import HDF5 as SIGNATURE
 from lutgen.recipe import Recipe
+
+# Nodes of a block per channel: 4 MiB of float32, large enough that the cost of a block vanishes and
+# small enough to stay in the last-level cache between computing and writing.
+BLOCK_NODES = 1 << 20
+# Postures of a block, where each has few directions: their contacts must fit in the cache too.
+BLOCK_POSTURES = 1 << 14
+
+
+class Block(NamedTuple):
+    """Rows [first, last) of a map; row = posture * (faces * nodes) + face * nodes + v."""
+
+    number: int
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The blocks of one map, whose channels have a `shape` (parameters..., face, v, u).
+
+    A block has `rows` rows, whole postures or a part of one; the last of either may have fewer.
+    """
+
+    shape: tuple[int, ...]
+    rows: int
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of the map, per channel."""
+        return math.prod(self.shape)
+
+    @property
+    def _uncut(self) -> int:
+        """Rows of which blocks are cut: those of the whole map, or of one posture."""
+        posture = math.prod(self.shape[-3:-1])
+        return posture if self.rows % posture else self.nodes // self.shape[-1]
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return self.nodes // self.shape[-1] // self._uncut * -(-self._uncut // self.rows)
+
+    def block(self, number: int) -> Block:
+        """Return a block by its number, 0 <= number < count."""
+        uncut = self._uncut
+        whole, part = divmod(number, -(-uncut // self.rows))
+        first = whole * uncut + part * self.rows
+        return Block(number, first, min(first + self.rows, (whole + 1) * uncut))
+
+
+def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Plan:
+    """Return the plan of a recipe's map, with blocks of at most `block_nodes` nodes or one row."""
+    faces, side, width = recipe.chart.shape
+    posture = faces * side
+    most = min(block_nodes // (posture * width), BLOCK_POSTURES)
+    if most:
+        rows = posture * _even(recipe.grid.size, most)
+    else:
+        rows = _even(posture, max(1, block_nodes // width))
+    return Plan((*recipe.grid.shape, *recipe.chart.shape), rows)
+
+
+def _even(count: int, most: int) -> int:
+    """Return the size of the fewest parts of nearly equal size, each at most `most`."""
+    return -(-count // -(-count // most))
+
 
 # Which definition of what stands the values are by (docs/reference/conventions.md).
 DEFINITION = 3
 ATTRIBUTE = "digest"
 # Bytes of the digest of a block; one that is not written yet is zeros.
 DIGEST = 32
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # The number of this way of sealing; 1 and 2 belong to map format 1.
 _WAY = 3
 _TEXT = f"lutgen-digest-{_WAY} at={{:012d}} head={{:012d}} size={{:015d}} blake3={{}}"
@@ -41,11 +107,7 @@ _AS_IT_IS = (
 
 @dataclass(frozen=True)
 class Storage:
-    """The places of a map file's values, and the facts that their digests depend on.
-
-    `places` are the bytes at which the channels begin, in order; `version` is that of the lutgen
-    that computed the values.
-    """
+    """The bytes at which a map file's channels begin, and the facts that digests depend on."""
 
     recipe: Recipe
     layout: Plan

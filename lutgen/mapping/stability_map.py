@@ -32,7 +32,6 @@ OF_THE_FILE = ("digest", "complete")
 class StabilityMap:
     """A stability map on disk; values are read when they are asked for.
 
-    `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes,
     `storage` says where a sealed file has its values, and `digests` (blocks, channels, bytes) what
     they must match; None for a file that is read though it is not sealed.
     """
@@ -100,11 +99,7 @@ class StabilityMap:
         return self._values[name]
 
     def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
-        """Read a channel block by block, for maps that are larger than the memory.
-
-        Yields the number of a first row, posture * (faces * nodes) + face * nodes + v, and the
-        block's values (rows, nodes) from there on.
-        """
+        """Yield a channel block by block: the number of a first row, and values (rows, nodes)."""
         index = self._index(name)
         kind, width = np.dtype(QUANTITIES[name].stored_type), self.chart.nodes
         try:
@@ -145,6 +140,12 @@ class StabilityMap:
     ) -> dict[str, NDArray[np.float64]]:
         """Interpolate the map, in float64.
 
+        Values are NaN off the chart; `facet` is that of the nearest node, `status` the worst of the
+        cell's nodes.  Beside the tip-over boundary `sdg` and `height` are means over those corners
+        that stand; they are NaN where the interpolated `tip_angle` is negative or, in a map without
+        it, where less than half of the weight stands.  InputError is raised for what is not as
+        here:
+
         Parameters
         ----------
         params : (m, k) array_like
@@ -152,16 +153,7 @@ class StabilityMap:
         gravity_dir : (m, 3) array_like
             Directions pointing down, of any length > 0; one may stand for all.
         channels : sequence of str, optional
-            All of the map's by default; `facet` is taken from the nearest node, and `status` is
-            the worst of the cell's nodes.
-
-        Returns
-        -------
-        dict of str to (m,) float64
-            NaN off the chart.  Beside the tip-over boundary `sdg` and `height` are means over
-            those corners that stand; they are NaN where the interpolated `tip_angle` is negative
-            or, in a map without it, where less than half of the weight stands.  InputError is
-            raised for what is not as above.
+            All of the map's by default.
         """
         names = tuple(channels) if channels is not None else self.channels
         ends = [(float(axis.knots[0]), float(axis.knots[-1])) for axis in self.axes]
@@ -203,10 +195,7 @@ class StabilityMap:
         return np.where(inside, found, np.nan)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file.
-
-        InputError is raised if xarray is not installed.
-        """
+        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from a file."""
         xarray = optional(self.path, "xarray", "xarray", "take arrays from `channel`")
         dims = tuple(self.dims)
         with h5py.File(self.path, "r") as file:
@@ -222,10 +211,7 @@ class StabilityMap:
 
 
 def verify(stability_map: StabilityMap) -> None:
-    """Check the whole file against its digests; MapFileError is raised at the first that differs.
-
-    It takes memory for one block.  A file without a seal is refused.
-    """
+    """Check the whole file, which needs a seal; MapFileError is raised at the first difference."""
     check_seal(Path(stability_map.path))
     for name in stability_map.channels:
         for _ in stability_map.pieces(name):
@@ -234,20 +220,15 @@ def verify(stability_map: StabilityMap) -> None:
 
 def channel_range(stability_map: StabilityMap, name: str) -> tuple[float | None, float | None]:
     """Return the smallest and largest finite value of a channel, None where there is none."""
-    ends: list[float] = []
-    for _, values in stability_map.pieces(name):
-        finite = values[np.isfinite(values)]
-        if finite.size:
-            ends += [float(finite.min()), float(finite.max())]
-    return min(ends, default=None), max(ends, default=None)
+    finite = (values[np.isfinite(values)] for _, values in stability_map.pieces(name))
+    ends = [(float(some.min()), float(some.max())) for some in finite if some.size]
+    return min((low for low, _ in ends), default=None), max((up for _, up in ends), default=None)
 
 
 def share_that_tips(stability_map: StabilityMap) -> float | None:
-    """Return the share of directions in which the robot tips, averaged over the map's postures.
+    """Return the share of the chart's solid angle in which the robot tips, over all postures.
 
-    Each node counts with the solid angle that it stands for, so it is a share of area on the
-    sphere of the chart's directions; None for a map without `tip_angle`, `status`, `sdg` and
-    `height`.
+    None for a map without `tip_angle`, `status`, `sdg` and `height`.
     """
     verdicts = ("tip_angle", "status", "sdg", "height")
     name = next((n for n in verdicts if n in stability_map.channels), None)

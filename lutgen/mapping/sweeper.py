@@ -15,10 +15,10 @@ import numpy as np
 from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError, optional, reject
 from lutgen.files import check_kind, check_target
-from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.opening import load_map
 from lutgen.mapping.part import PartFile
+from lutgen.mapping.seal import Plan, plan
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.recipe import Recipe
 
@@ -41,6 +41,10 @@ def sweep(
     force: bool = False,
 ) -> StabilityMap:
     """Compute a recipe's map into an HDF5 file and open it.
+
+    InputError is raised for options or a PATH that cannot be used, RecipeError if the robot stands
+    nowhere, MapFileError if the unfinished file cannot be resumed, and SweepError if the file
+    cannot be written, another sweep is writing it, or no worker is left.
 
     Parameters
     ----------
@@ -65,20 +69,15 @@ def sweep(
     force : bool
         Begin anew where PATH.part holds unfinished work, and replace files that lutgen did not
         make.  A link is refused even so.
-
-    Raises
-    ------
-    InputError
-        For options or a PATH that cannot be used, such as a file that lutgen did not make.
-    RecipeError
-        If the robot stands nowhere.
-    MapFileError
-        If the unfinished file cannot be resumed.
-    SweepError
-        If the file cannot be written, another sweep is writing it, or no worker is left.
     """
-    _require_options(recipe, engine, scheduler)
     most = numba.config.NUMBA_NUM_THREADS
+    if engine not in ENGINES:
+        raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
+    if scheduler is not None and engine != "dask":
+        raise InputError(f"scheduler needs the engine dask (got {scheduler} with {engine})")
+    if recipe.function is not None and engine != "local":
+        what = "a robot given by code is swept on this machine only"
+        reject(recipe.source, what, f"the engine {engine}", "use the engine local", InputError)
     if threads is not None and not 1 <= threads <= most:
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
     require_standing(recipe)
@@ -121,16 +120,6 @@ def sweep(
     finally:
         numba.set_num_threads(before)
     return load_map(target)
-
-
-def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None:
-    if engine not in ENGINES:
-        raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
-    if scheduler is not None and engine != "dask":
-        raise InputError(f"scheduler needs the engine dask (got {scheduler} with {engine})")
-    if recipe.function is not None and engine != "local":
-        what = "a robot given by code is swept on this machine only"
-        reject(recipe.source, what, f"the engine {engine}", "use the engine local", InputError)
 
 
 def _part_of(target: Path) -> Path:

@@ -75,7 +75,7 @@ def _mesh(axes: Axes, points: Floats, paint: Floats, z: float) -> None:
     order = [i for i in np.argsort(depth, kind="stable") if np.isfinite(depth[i])]
     flat = [CAMERA.flat(shapes[i]) for i in order]
     found = PolyCollection(flat, closed=False, linewidths=0.45, rasterized=True, zorder=z)
-    found.set(facecolor=[fills[i] for i in order], edgecolor=[edges[i] for i in order])
+    found.set(facecolor=np.array(fills)[order], edgecolor=np.array(edges)[order])
     axes.add_collection(found)
 
 

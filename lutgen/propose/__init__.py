@@ -1,11 +1,9 @@
 """A robot description becomes the text of a recipe.
 
-In reading order: `contacts`, `opened`, `effects`, `axles`, `symmetry`, `couplings`, `doubts`,
-`text`, `proposal`.
+In reading order: `contacts`, `opened`, `effects`, `symmetry`, `couplings`, `doubts`, `text`,
+`proposal`.
 """
 
 from lutgen.propose.couplings import Coupling
 from lutgen.propose.doubts import recipe_doubts
 from lutgen.propose.proposal import Imported, import_urdf
-
-__all__ = ["Coupling", "Imported", "import_urdf", "recipe_doubts"]

@@ -8,8 +8,7 @@ import numpy as np
 from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
-from lutgen.urdf.links import Place, centre_of_mass, downwards
-from lutgen.urdf.shapes import TOUCHING, link_contacts
+from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
@@ -44,9 +43,7 @@ def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
 def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Contact]:
     """Return the spheres, rim discs and points near the ground, in the posture of these places.
 
-    The ground is where the lowest of them is; near are those whose lowest point lies within a
-    quarter of the com's height above it, and all others below the com on the same link.  Where the
-    com is not above these, the robot leans on something else: then those below the com.
+    Where the com is not above these, the robot leans on something else: then those below the com.
     RecipeError is raised where shapes that are not understood are lower, and for more than 200.
     """
     com = centre_of_mass(robot, where)
@@ -116,10 +113,7 @@ def has_support(robot: UrdfRobot, where: Mapping[str, Place], near: bool = False
 def refuse_bolted(
     robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
 ) -> None:
-    """Raise RecipeError for a robot of which nothing stands on the ground: an arm, a hand.
-
-    The com is not above what is near the ground, which is one limb or the root.
-    """
+    """Raise RecipeError for an arm or a hand: the com is not above its lowest limb, or its root."""
     near = near_ground(robot, contacts, where)
     limbs = {robot.root: robot.root}
     for joint in downwards(robot):
@@ -153,10 +147,7 @@ def _refuse_lower_shapes(robot: UrdfRobot, where: Mapping[str, Place], ground: f
 
 
 def closed_shapes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
-    """Return the first links, of all or those named, with shapes without a size, and why.
-
-    Those are meshes that were not opened, and unknown kinds; "" where there is none.
-    """
+    """Return the first links, of all or those named, with shapes of unknown size, and why."""
     links = {link.name: link for link in robot.links}
     reasons: dict[str, list[str]] = {}
     for name in links if names is None else names:
@@ -164,10 +155,9 @@ def closed_shapes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
         notes += [shape.note for shape in links[name].visuals if not shape.size and shape.note]
         for note in notes[:1]:
             reasons.setdefault(note, []).append(name)
-    parts = []
-    for note, those in reasons.items():
-        parts.append(listed(those, SHOWN) + (f": {note}" if note else ""))
-    return "; ".join(parts)
+    return "; ".join(
+        listed(those, SHOWN) + (f": {note}" if note else "") for note, those in reasons.items()
+    )
 
 
 def listed(names: Collection[str], most: int = LISTED) -> str:
@@ -184,6 +174,16 @@ def is_above(com: Floats, points: Floats) -> bool:
         return False
     gaps = np.diff(around, append=around[0] + 2.0 * math.pi)
     return bool(gaps.max() < math.pi)
+
+
+def hanging(robot: UrdfRobot, contacts: Sequence[Contact]) -> dict[str, list[int]]:
+    """Return for each link which contacts are on it and on what hangs from it, by their places."""
+    found: dict[str, list[int]] = {link.name: [] for link in robot.links}
+    for i, contact in enumerate(contacts):
+        found[contact.link].append(i)
+    for joint in reversed(downwards(robot)):
+        found[joint.parent] = sorted(found[joint.parent] + found[joint.child])
+    return found
 
 
 def robot_size(contacts: Sequence[Contact], where: Mapping[str, Place]) -> float:

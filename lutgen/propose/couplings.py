@@ -49,8 +49,6 @@ def chosen_motion(
 
     `joints` become parameters each by itself; `coupling` says what is coupled, or among which
     joints a grouping is proposed.  Without both: all that matter, coupled if more than 10.
-    InputError is raised for what cannot be read, or is asked for twice, RecipeError for joints that
-    cannot be free, or not together.
     """
     coupling = coupling or Coupling()
     if joints is not None and not coupling.texts:
@@ -139,10 +137,7 @@ def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
 
 
 def _at_rest(name: str, scales: Mapping[str, float], motion: Motion, why: str) -> Couple:
-    """Return a couple whose joints stand where they do at rest when its parameter does.
-
-    The parameter is 0 where the first joint is.
-    """
+    """Return a couple whose joints stand at rest when its parameter does, 0 with the first."""
     first, scale = next(iter(scales.items()))
     value = motion.rest.get(first, 0.0) / scale
     offsets = {

@@ -1,16 +1,60 @@
-"""Find likely mistakes in a description, which may make its robot less stable than it is told."""
+"""Find what may make a described robot less stable than it is told: mistakes, free joints.
+
+Axles that swing are joints about the way ahead that no motor holds and that carry two contacts.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from lutgen.parts import Contact
+from lutgen.parts import Axle, Contact
+from lutgen.propose.contacts import hanging, placed
 from lutgen.recipe import Recipe
+from lutgen.recipe.robot import unit
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import TURN, read_motion
 from lutgen.urdf.links import Place, places
 from lutgen.urdf.read import parse_urdf
+from lutgen.vector import rotation
+
+# The axle's line is within 30 deg of the way ahead.
+AHEAD = math.cos(math.radians(30.0))
+
+
+def swinging_axles(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> tuple[Axle, ...]:
+    """Return the axles of a description that swing: the joint is revolute and has no effort.
+
+    `where` has each link's rotation and origin; the two contacts are on either side of the pivot.
+    """
+    found = []
+    inside, centre = hanging(robot, contacts), placed(contacts, where)[0]
+    for joint in robot.joints:
+        turn, hinge = where[joint.child]
+        ahead, carried = turn @ joint.axis, inside[joint.child]
+        if joint.effort != 0.0 or joint.kind != "revolute" or abs(ahead[0]) < AHEAD:
+            continue
+        sides = np.cross(ahead, centre[carried] - hinge)[:, 2]
+        if len(carried) == 2 and sides[0] * sides[1] < 0.0:
+            axis = unit((rotation(joint.rpy) @ joint.axis).tolist())
+            names = (contacts[carried[0]].name, contacts[carried[1]].name)
+            stops = max(abs(joint.lower), abs(joint.upper))
+            limit = stops if math.isfinite(stops) and stops > 0.0 else None
+            found.append(Axle(joint.name, names, joint.parent, joint.origin, axis, limit))
+    return tuple(found)
+
+
+def held(robot: UrdfRobot, axles: Sequence[Axle]) -> UrdfRobot:
+    """Return a description whose axles are held amid their swing: no parameter moves them."""
+    names = {axle.name for axle in axles}
+    joints = [
+        replace(joint, kind="fixed") if joint.name in names else joint for joint in robot.joints
+    ]
+    return replace(robot, joints=tuple(joints))
+
 
 # A shape so many times larger than what the joints span is in another unit.
 UNITS = 100.0
@@ -93,22 +137,19 @@ def _off(link: UrdfLink, span: float) -> float:
 
 def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
     """Return the joints that no motor holds though contacts hang from them."""
-    above = robot.above
-    found: dict[str, None] = {}
-    for contact in contacts:
-        turn, origin = where[contact.link]
-        spot, link = origin + turn @ contact.position, contact.link
-        while link in above:
-            joint = above[link]
-            link = joint.parent
-            about, hinge = where[joint.child]
-            lever = np.linalg.norm(np.cross(about @ joint.axis, spot - hinge))
-            if joint.effort == 0.0 and (lever > 1e-6 or joint.kind == "prismatic"):
-                found[joint.name] = None
+    inside, centre, found = hanging(robot, contacts), placed(contacts, where)[0], []
+    for joint in robot.joints:
+        about, hinge = where[joint.child]
+        levers = np.cross(about @ joint.axis, centre[inside[joint.child]] - hinge)
+        moved = len(levers) > 0 and joint.kind == "prismatic"
+        if joint.effort == 0.0 and (
+            moved or np.linalg.norm(levers, axis=1).max(initial=0.0) > 1e-6
+        ):
+            found.append(repr(joint.name))
     if not found:
         return []
     return [
-        f"joint {', '.join(map(repr, found))}: effort is 0, and contacts hang from it: if nothing "
+        f"joint {', '.join(found)}: effort is 0, and contacts hang from it: if nothing "
         "holds it, the robot tips earlier than is said; write two contacts on a free pivot as a "
         "[[robot.axle]]"
     ]

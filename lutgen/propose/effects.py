@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.parts import Contact
-from lutgen.propose.contacts import placed, robot_size
+from lutgen.propose.contacts import hanging, placed, robot_size
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion
 from lutgen.urdf.links import Place, carried, downwards, places
@@ -24,8 +24,7 @@ def inner_contacts(
     """Return the contacts that never carry the robot alone: those between two others.
 
     A disc in the convex hull of two discs about parallel axes touches a plane only together with
-    them, and between their two points, so that no support polygon changes without it: inner road
-    wheels of a track, and the inner rims of a pair of wheels.  The same for spheres and points.
+    them, and between their two points: inner road wheels of a track, inner rims of twin wheels.
     The three must be rigidly connected; of equal ones all but the last are returned.
     """
     parts = {robot.root: robot.root}
@@ -71,20 +70,15 @@ def _between(k: int, others: NDArray[np.intp], centre: Floats, radius: Floats, s
 def effects(
     robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]
 ) -> dict[str, tuple[float, float]]:
-    """Return how far each free joint moves the contacts and the com at most.
+    """Return how far (m) each free joint moves any contact and the com, with the rest at random.
 
-    Bounds (m) on the way of a contact point that is fixed in its link, 0 for a wheel on its own
-    axle, and of the com, from one end of the joint's range to the other, with all others at random.
+    A wheel on its own axle moves by nothing.
     """
     rng = np.random.default_rng(0)
     values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}
     where = places(robot, motion, values)
     centre, axis = placed(contacts, where)
-    inside: dict[str, list[int]] = {link.name: [] for link in robot.links}
-    for i, contact in enumerate(contacts):
-        inside[contact.link].append(i)
-    for joint in reversed(downwards(robot)):
-        inside[joint.parent] += inside[joint.child]
+    inside = hanging(robot, contacts)
     mass, moment = carried(robot, where)
     total = mass[robot.root]
     result = dict.fromkeys(motion.free, (0.0, 0.0))

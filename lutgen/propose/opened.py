@@ -11,10 +11,9 @@ from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.joints import TURN
-from lutgen.urdf.links import Place, centre_of_mass, downwards
+from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS
-from lutgen.urdf.shapes import TOUCHING, link_contacts
 from lutgen.vector import Floats
 
 # Share of the com's height above the ground by which one link of a leg is lower than another: the
@@ -42,11 +41,10 @@ def opened_meshes(
 ) -> UrdfRobot:
     """Return the description with simple shapes for the meshes that touch the ground.
 
-    Those of the links that are `named`, or of each chain of links the lowest, near the ground in
-    the posture `where`.  A mesh that was opened has its extent as `size`, one that cannot be read
-    the reason as its note; on links that touch one shape, with a note, stands for all of them.  Of
-    a link without collision shapes the visual meshes serve, where it is named, and where the robot
-    does not stand on spheres and cylinders.
+    Those of the links that are `named`, or of each chain of links the lowest, near the ground.  A
+    mesh that was opened has its extent as `size`, one that cannot be read the reason as its note;
+    on links that touch, one shape stands for all.  Of a link without collision shapes the visual
+    meshes serve, where it is named, and where the robot does not stand on spheres and cylinders.
     """
     found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
     chosen = _touching(robot, found, where) if named is None else set(named)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.propose.axles import held, swinging_axles
 from lutgen.propose.contacts import (
     closed_shapes,
     listed,
@@ -15,7 +14,7 @@ from lutgen.propose.contacts import (
     refuse_bolted,
 )
 from lutgen.propose.couplings import Coupling, chosen_motion
-from lutgen.propose.doubts import doubts
+from lutgen.propose.doubts import doubts, held, swinging_axles
 from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import (
@@ -30,9 +29,8 @@ from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion, read_motion
-from lutgen.urdf.links import places, require_mass
+from lutgen.urdf.links import TOUCHING, places, require_mass, used_shapes
 from lutgen.urdf.meshes import Meshes
-from lutgen.urdf.shapes import TOUCHING, used_shapes
 
 
 @dataclass(frozen=True)
@@ -61,18 +59,13 @@ def import_urdf(
     meshes: Meshes | None = None,
     coupling: Coupling | None = None,
 ) -> Imported:
-    """Turn a description (m) into a recipe.
+    """Turn a description (m) into a recipe; RecipeError is raised for what makes none.
 
     The links named in `contacts` touch the ground with their collision shapes, and so do those that
     are `given`, in the frames of links; without either, the shapes near the ground at rest.  The
-    `joints` become parameters, and what `coupling` says; without either, all that move a contact,
-    or the com by more than 0.5 % of the robot's size, coupled where they are more than 10.
+    `joints` become parameters, and what `coupling` says; without either, all that matter.
     `posture` has joints at rest, rad or m, else 0 or their limit nearest to it: the recipe's
-    `home`, and where joints that are no parameters stand.  `meshes` opens the meshes, to find
-    wheels and feet in them.
-
-    RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
-    contacts.
+    `home`.  `meshes` opens the meshes, to find wheels and feet in them.
     """
     require_mass(robot)
     motion = read_motion(robot, joints, posture)

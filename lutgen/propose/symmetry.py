@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.propose.contacts import placed
+from lutgen.propose.contacts import hanging, placed
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import Place, carried, downwards
 from lutgen.vector import Floats
@@ -24,14 +24,11 @@ from lutgen.vector import Floats
 BESIDE, IMAGE, MASS, PARALLEL = 0.01, 0.05, 0.1, 0.9
 
 # Parts of a name that say where a joint is and not what it is.
-SIDES = frozenset(
-    (
-        *("left", "right", "l", "r", "middle", "mid", "ml", "mr", "lm", "rm"),
-        *("front", "fore", "f", "fl", "fr", "lf", "rf"),
-        *("rear", "hind", "back", "h", "rl", "rr", "lr", "lh", "rh", "hl", "hr"),
-        *("bl", "br", "lb", "rb"),
-    )
-)
+SIDES = {
+    *("left", "right", "l", "r", "middle", "mid", "ml", "mr", "lm", "rm", "front", "fore", "f"),
+    *("fl", "fr", "lf", "rf", "rear", "hind", "back", "h", "rl", "rr", "lr", "lh", "rh", "hl"),
+    *("hr", "bl", "br", "lb", "rb"),
+}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
@@ -39,8 +36,7 @@ class Limb(NamedTuple):
     """A limb, which hangs from a joint: how it moves and where it is, frame of the root.
 
     `axis` (3,) and `spot` (3,), the middle of its contacts or else its com, are those with all
-    joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.  `mass`
-    is in kg; `above` has the joints that carry it, itself among them.
+    joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.
     """
 
     slides: bool
@@ -77,7 +73,7 @@ class Limbs:
                 above[child],
             )
         places = np.array([limb.spot for limb in self.limbs.values()] or [np.zeros(3)])
-        self.size = float((places.max(axis=0) - places.min(axis=0)).max())
+        self.size = float(np.ptp(places, axis=0).max())
         self.folded = False
 
     def families(self, names: Sequence[str]) -> list[dict[str, float]]:
@@ -190,18 +186,14 @@ def _spots(
     The middle of the contacts, without any the com, without masses the link's origin.
     """
     mass, moment = carried(robot, where)
-    count = dict.fromkeys(mass, 0)
-    total = {name: np.zeros(3) for name in mass}
-    for contact, centre in zip(contacts, placed(contacts, where)[0], strict=True):
-        count[contact.link] += 1
-        total[contact.link] = total[contact.link] + centre
-    for joint in reversed(downwards(robot)):
-        count[joint.parent] += count[joint.child]
-        total[joint.parent] = total[joint.parent] + total[joint.child]
+    centre = placed(contacts, where)[0]
     spots = {
         name: moment[name] / mass[name] if mass[name] > 0.0 else where[name][1] for name in mass
     }
-    return spots | {name: total[name] / count[name] for name in mass if count[name]}, mass
+    for name, inside in hanging(robot, contacts).items():
+        if inside:
+            spots[name] = centre[inside].mean(axis=0)
+    return spots, mass
 
 
 def stem(name: str) -> tuple[str, ...]:

@@ -11,8 +11,7 @@ from lutgen.recipe.load import toml
 from lutgen.recipe.rules import RESERVED
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Couple, Motion
-from lutgen.urdf.links import links_of
-from lutgen.urdf.shapes import TOUCHING, link_contacts
+from lutgen.urdf.links import TOUCHING, link_contacts, links_of
 
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest
 # nodes make more postures than `TOO_MANY`, their ends alone are proposed.

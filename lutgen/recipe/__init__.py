@@ -1,7 +1,7 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `schema`, `json_schema`, `load`, `robot`, `rules`, `robot_rules`, `model`,
-`described`, `code`, `gallery`, `kinematics`, `size`, `snap`, `recipe`, `merge`.
+In reading order: `schema`, `load`, `robot`, `rules`, `model`, `described`,
+`gallery`, `kinematics`, `snap`, `recipe`, `merge`.
 """
 
 from lutgen.recipe.described import body_parts
@@ -12,7 +12,6 @@ from lutgen.recipe.gallery import (
     start_recipe,
     start_recipes,
 )
-from lutgen.recipe.json_schema import recipe_schema
 from lutgen.recipe.kinematics import (
     Postures,
     forward,
@@ -21,35 +20,8 @@ from lutgen.recipe.kinematics import (
     swung_links,
     within_limits,
 )
-from lutgen.recipe.load import HDF5, read_tables, read_text
+from lutgen.recipe.load import HDF5, read_tables, read_text, recipe_schema
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
 from lutgen.recipe.recipe import load_recipe, parse_recipe
-from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
-
-__all__ = [
-    "GALLERY",
-    "HDF5",
-    "TOLERANCE",
-    "Postures",
-    "Recipe",
-    "body_parts",
-    "contact_tolerance_of",
-    "forward",
-    "gallery_names",
-    "gallery_text",
-    "load_recipe",
-    "merged_recipe",
-    "parse_recipe",
-    "postures",
-    "radii_and_kinds",
-    "read_tables",
-    "read_text",
-    "recipe_digest",
-    "recipe_schema",
-    "robot_size_of",
-    "start_recipe",
-    "start_recipes",
-    "swung_links",
-    "within_limits",
-]
+from lutgen.recipe.snap import TOLERANCE, contact_tolerance_of, robot_size_of

@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError, reject
 from lutgen.jit import njit
-from lutgen.parts import KINDS, ZERO, Contact, Force, Link, parents_first, way_up
-from lutgen.recipe.code import asked
+from lutgen.parts import KINDS, ZERO, Contact, Force, Joint, Link, parents_first, way_up
+from lutgen.recipe.described import asked
 from lutgen.recipe.model import Recipe
-from lutgen.rotation import rotation
-from lutgen.vector import Floats, Ints, Vector
+from lutgen.vector import Floats, Ints, Vector, rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
 
@@ -59,11 +58,7 @@ class Tree(NamedTuple):
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
-    """Compute postures from rows of parameters (m, k), rad or length.
-
-    Values outside the parameters' limits are computed like any other; NaN and infinity raise
-    InputError.
-    """
+    """Compute postures from finite parameters (m, k), rad or length, within limits or not."""
     values = _checked(recipe, params)
     if recipe.python is not None and recipe.function is None:
         what, got = "the robot is given by code that was not loaded", f"python = {recipe.python!r}"
@@ -94,21 +89,10 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
 
 
 def postures(recipe: Recipe, params: ArrayLike) -> tuple[Floats, Floats]:
-    """Compute contact centres and centres of mass.
+    """Compute the contacts and the centres of mass of postures.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        One row per posture, rad or length.
-
-    Returns
-    -------
-    contacts : (m, n, 3) float64
-        Centres of the contacts relative to the com, body frame.
-    com : (m, 3) float64
-        Centre of mass in the recipe's frame.
+    Returns contact centres (m, n, 3) relative to the com, body frame, and the com (m, 3) in the
+    recipe's frame, for parameters (m, k), rad or length.
     """
     result = forward(recipe, params)
     return result.centres, result.com
@@ -150,10 +134,7 @@ def within_limits(
 
 
 def swung_links(recipe: Recipe) -> list[list[Link]]:
-    """Return the links that swing with each axle: those between its pivot and its contacts.
-
-    That is what carries the contacts, next below the link that holds the pivot, and all its parts.
-    """
+    """Return the links that swing with each axle: what carries its contacts below its pivot."""
     parents = {link.name: link.parent for link in recipe.links}
     ways = {name: way_up(parents, name) for name in parents}
     carrier = {contact.name: contact.link for contact in recipe.contacts}
@@ -166,10 +147,7 @@ def swung_links(recipe: Recipe) -> list[list[Link]]:
 
 
 def _axle_masses(recipe: Recipe, coms: Floats) -> tuple[Floats, Floats]:
-    """Return the com (m, a, 3) of what swings with each axle, and its share (m, a) of the mass.
-
-    `coms` (m, s, 3) are those of the links of `swung_links`, one after the other.
-    """
+    """Return the com (m, a, 3) of what swings with each axle, and its share (m, a) of the mass."""
     total = math.fsum(link.mass for link in recipe.links)
     middles, shares, first = np.zeros((len(coms), len(recipe.axles), 3)), [], 0
     for k, links in enumerate(swung_links(recipe)):
@@ -188,8 +166,6 @@ def _tree(recipe: Recipe) -> Tree:
     links = [named[name] for name in order]
     row = {link.name: i for i, link in enumerate(links)}
     column = {p.name: i for i, p in enumerate(recipe.parameters)}
-    joints = [link.joint for link in links]
-    kinds = {"revolute": REVOLUTE, "prismatic": PRISMATIC}
     mass = np.array([link.mass for link in links])
     total = mass.sum()
     # Without masses the com is the origin of the recipe's frame: no link has a share.
@@ -205,23 +181,15 @@ def _tree(recipe: Recipe) -> Tree:
     carriers = [*(one.link for one in (*points, *recipe.axles)), *(link.name for link in swung)]
     axes = [*(contact.axis or ZERO for contact in recipe.contacts), *(ZERO for _ in recipe.forces)]
     axes += [*(axle.axis for axle in recipe.axles), *(ZERO for _ in swung)]
-    parents = [-1 if link.parent is None else row[link.parent] for link in links]
-    steps = [(j.scale, j.offset) if j else (0.0, 0.0) for j in joints]
+    kinds = {"fixed": FIXED, "revolute": REVOLUTE, "prismatic": PRISMATIC}
+    still, steps, motion = Joint("fixed", ZERO, "", 0.0, 0.0), [], []
+    for link in links:
+        joint, parent = link.joint or still, -1 if link.parent is None else row[link.parent]
+        steps.append((parent, kinds[joint.kind], column.get(joint.parameter, 0)))
+        motion.append((*link.origin, *joint.axis, joint.scale, joint.offset))
     return Tree(
-        np.array(
-            [
-                (parent, kinds[j.kind] if j else FIXED, column[j.parameter] if j else 0)
-                for parent, j in zip(parents, joints, strict=True)
-            ],
-            np.int64,
-        ),
-        np.hstack(
-            [
-                rows([link.origin for link in links]),
-                rows([j.axis if j else ZERO for j in joints]),
-                steps,
-            ]
-        ),
+        np.array(steps, np.int64),
+        np.array(motion, np.float64),
         np.array([rotation(link.rpy) for link in links]),
         share,
         rows([link.com for link in links]),

@@ -14,14 +14,11 @@ OF_JOINT = ("type", "axis")
 def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, ...]]:
     """Write what a description says of its links into a recipe, which keeps all else.
 
-    `text` is the recipe, with hand edits and comments, `source` its file, and `fresh` the recipe
-    that the description alone gives.  Mass, com, origin and rpy of each link become the latter's,
-    and type and axis of its joint; a link that is fixed in one and moves in the other keeps its
-    place and joint.  Returned with the new text is a sentence for each value that was changed,
-    and for each link that only one of them has, which stays as it is.
-
-    RecipeError is raised where the recipe is not good, before or after, and InputError where the
-    package tomlkit is not installed.
+    `text` is the recipe, edited by hand, and `fresh` the one that the description alone gives.
+    Mass, com, origin and rpy of each link become the latter's, and type and axis of its joint; a
+    link that is fixed in one and moves in the other keeps its place and joint.  Returned with the
+    new text is a sentence for each value that was changed, and for each link that only one of them
+    has, which stays as it is.  RecipeError is raised where the recipe is bad, before or after.
     """
     parse_recipe(text, source)
     tomlkit = optional(source, "tomlkit", "lutgen[merge]", "write another file")

@@ -25,12 +25,10 @@ class Recipe:
     """A checked recipe; angles in rad, lengths in `length_unit`.
 
     `text` is the TOML itself, `source` its file name for messages, and `urdf` the content of the
-    robot description that it names.  `python` is ``"module:function"`` for a robot given by code,
-    `function` that function.  Payloads are links; `com_offset` is added to the com that links give,
-    and `com_uncertainty` is the radius of the ball in which the com lies.  `rest_width` and
-    `contact_tolerance` are None where they are left to the size, and `home` has the parameters of
-    the posture to stand in, as far as the recipe says.  `snapped` says which contacts are not quite
-    where the text has them; `title` is what figures call the robot.
+    robot description that it names.  `function` is that of `python` for a robot given by code.
+    Payloads are links; `rest_width` and `contact_tolerance` are None where they are left to the
+    size, `home` has what the recipe says of its posture, and `snapped` says which contacts are not
+    quite where the text has them.
     """
 
     name: str

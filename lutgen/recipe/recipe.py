@@ -5,37 +5,31 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Contact, Force, Group, Link
-from lutgen.recipe.code import load_function
-from lutgen.recipe.described import links_and_shapes, read_description
+from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link
+from lutgen.recipe.described import links_and_shapes, load_function, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.model import ExportDefaults, Recipe
 from lutgen.recipe.robot import (
-    axles_of,
     contacts_of,
     knots_of,
     links_of,
     parameters_of,
+    part,
     three,
     weighed,
     wheels_of,
 )
-from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
-from lutgen.recipe.rules import head_faults
+from lutgen.recipe.rules import contact_faults, head_faults, link_faults, part_faults
 from lutgen.recipe.schema import Export, File
 from lutgen.recipe.snap import snap
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
-    """Read a recipe file; one with any fault raises RecipeError.
+    """Read a recipe file, TOML in UTF-8, or `recipe:NAME` of the gallery inside the package.
 
-    Parameters
-    ----------
-    path : path
-        A TOML file, UTF-8, or `recipe:NAME` for one of the gallery, which comes with the package.
-    allow_python : bool
-        Whether a recipe may run the code that its `python` key names.
+    One with any fault raises RecipeError; it may run the code that its `python` key names with
+    `allow_python` alone.
     """
     source = os.fspath(path)
     text = gallery_text(source) if source.startswith(GALLERY) else read_text(path)
@@ -51,17 +45,9 @@ def parse_recipe(
 ) -> Recipe:
     """Check the text of a recipe, TOML; one with any fault raises RecipeError.
 
-    Parameters
-    ----------
-    text, source : str
-        The text, and its file for messages, in whose folder the code of a `python` key and the
-        file of a `urdf` key are.
-    allow_python : bool
-        Whether a recipe may run the code that its `python` key names.
-    inert : bool
-        Leave that code alone even so, and open no file: enough to read a map.
-    urdf : str, optional
-        Content of the robot description that the recipe names, instead of the file.
+    In the folder of `source`, its file for messages, are the code of a `python` key, which runs
+    with `allow_python` alone, and the description of a `urdf` key, if its content is not given.
+    An `inert` recipe runs no code and opens no file: enough to read a map.
     """
     file = read_tables(text, source, File)
     robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()
@@ -101,12 +87,10 @@ def parse_recipe(
         for one, parameter in zip(robot.parameter, parameters, strict=True)
     )
     tilt = () if gravity.max_tilt is None else (math.radians(gravity.max_tilt),)
-    recipe = Recipe(
-        name=robot.name,
-        length_unit=robot.length_unit,
+    recipe = part(
+        Recipe,
+        robot,
         friction=robot.friction,
-        upright=math.radians(robot.upright),
-        rock_angle=math.radians(robot.rock_angle),
         parameters=parameters,
         links=weighed((*links, *payloads), robot.mass),
         contacts=contacts,
@@ -119,19 +103,11 @@ def parse_recipe(
         source=source,
         function=function,
         wheels=wheels_of(robot, contacts),
-        axles=axles_of(robot),
+        axles=tuple(part(Axle, one) for one in robot.axle),
         urdf=urdf if robot.urdf is not None else None,
-        groups=tuple(Group(one.name, tuple(one.contacts)) for one in robot.group),
-        forces=tuple(
-            Force(one.name, one.link, three(one.position), three(one.force), three(one.moment))
-            for one in robot.force
-        ),
-        com_uncertainty=robot.com_uncertainty,
-        com_offset=three(robot.com_offset),
-        rest_width=robot.rest_width,
-        contact_tolerance=robot.contact_tolerance,
+        groups=tuple(part(Group, one) for one in robot.group),
+        forces=tuple(part(Force, one) for one in robot.force),
         home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},
-        title=robot.title,
     )
     return snap(recipe)
 

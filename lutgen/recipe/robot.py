@@ -1,15 +1,19 @@
 """From the models of a recipe to the parts of a robot: radians, unit vectors, no checks."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
+from pydantic import BaseModel
 
-from lutgen.parts import ZERO, Axle, Contact, Joint, Link, Parameter, Vector, Wheel, to_internal
+from lutgen.parts import ZERO, Contact, Joint, Link, Parameter, Vector, Wheel, to_internal
 from lutgen.recipe import schema
 from lutgen.recipe.schema import ANGLE_UNITS, Robot
 from lutgen.vector import Floats
+
+Part = TypeVar("Part")
 
 
 def three(vector: Sequence[float]) -> Vector:
@@ -23,6 +27,29 @@ def unit(vector: Sequence[float]) -> Vector:
     x, y, z = vector
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length
+
+
+# What a value becomes, by its key; others stay, and lists become tuples.
+_INSIDE: dict[str, Callable[[Any], Any]] = {
+    "axis": unit,
+    "rpy": lambda rpy: three([math.radians(angle) for angle in rpy]),
+    **dict.fromkeys(("stops", "rollers", "upright", "rock_angle"), math.radians),
+}
+
+
+def part(kind: type[Part], table: BaseModel, /, **others: Any) -> Part:
+    """Return a table as a dataclass with fields of the same names, beside which it has `others`.
+
+    A key that is None is left out, so that the field's own default holds.
+    """
+    values = dict(others)
+    for field in fields(kind):  # type: ignore[arg-type]
+        value = getattr(table, field.name, None)
+        if value is not None and field.name not in others:
+            values[field.name] = tuple(value) if isinstance(value, list) else value
+            if field.name in _INSIDE:
+                values[field.name] = _INSIDE[field.name](value)
+    return kind(**values)
 
 
 def parameters_of(robot: Robot) -> tuple[Parameter, ...]:
@@ -51,29 +78,16 @@ def knots_of(parameter: schema.Parameter, samples: int | list[float]) -> Floats:
 def links_of(robot: Robot) -> tuple[Link, ...]:
     """Return the links of a robot; `body` comes first where the recipe does not have it."""
     units = {one.name: one.unit for one in robot.parameter}
-    links = [
-        Link(
-            one.name,
-            one.parent,
-            three(one.origin),
-            three([math.radians(angle) for angle in one.rpy]),
-            _joint(one.joint, units),
-            one.mass,
-            three(one.com),
-            three(one.shape) if one.shape else None,
-        )
-        for one in robot.link
-    ]
-    if not any(link.name == "body" for link in links):
-        links.insert(0, Link("body"))
-    return tuple(links)
+    links = [part(Link, one, joint=_joint(one.joint, units)) for one in robot.link]
+    body = () if any(link.name == "body" for link in links) else (Link("body"),)
+    return (*body, *links)
 
 
 def _joint(joint: schema.Joint | None, units: Mapping[str, str]) -> Joint | None:
     if joint is None or joint.axis is None or joint.parameter is None:
         return None
     offset = to_internal(joint.offset, units[joint.parameter])
-    return Joint(joint.type, unit(joint.axis), joint.parameter, joint.scale, offset)
+    return part(Joint, joint, kind=joint.type, offset=offset)
 
 
 def contacts_of(robot: Robot, shapes: Mapping[int, Sequence[Contact]]) -> tuple[Contact, ...]:
@@ -81,42 +95,21 @@ def contacts_of(robot: Robot, shapes: Mapping[int, Sequence[Contact]]) -> tuple[
     result: list[Contact] = []
     for place, one in enumerate(robot.contact):
         # A name and a position that are missing are a fault, which the rules say.
-        centre, axis = three(one.position or ZERO), unit(one.axis) if one.axis else None
-        alone = Contact(one.name or "", one.link, centre, one.radius, axis)
-        for contact in shapes.get(place, [alone]):
-            width, belt = one.width or 0.0, one.belt or ""
-            result.append(replace(contact, rolling=one.rolling, width=width, belt=belt))
+        own = part(Contact, one, name=one.name or "", position=three(one.position or ZERO))
+        for found in shapes.get(place, [own]):
+            result.append(replace(found, rolling=own.rolling, width=own.width, belt=own.belt))
     return tuple(result)
-
-
-def axles_of(robot: Robot) -> tuple[Axle, ...]:
-    """Return the axles of a robot that swing."""
-    return tuple(
-        Axle(
-            one.name,
-            (one.contacts[0], one.contacts[1]),
-            one.link,
-            three(one.pivot),
-            unit(one.axis),
-            None if one.stops is None else math.radians(one.stops),
-        )
-        for one in robot.axle
-    )
 
 
 def wheels_of(robot: Robot, contacts: Sequence[Contact]) -> tuple[Wheel, ...]:
     """Return the wheels of a robot; on a disc, what they do not say is the disc's."""
     carriers = {contact.name: contact for contact in contacts}
-    return tuple(
-        Wheel(
-            one.contact,
-            unit(one.axis) if one.axis else carriers[one.contact].axis or ZERO,
-            one.radius or carriers[one.contact].radius,
-            one.steered,
-            None if one.rollers is None else math.radians(one.rollers),
-        )
-        for one in robot.wheel
-    )
+    result = []
+    for one in robot.wheel:
+        disc = carriers[one.contact]
+        axis = unit(one.axis) if one.axis else disc.axis or ZERO
+        result.append(part(Wheel, one, axis=axis, radius=one.radius or disc.radius))
+    return tuple(result)
 
 
 def weighed(links: tuple[Link, ...], mass: float | None) -> tuple[Link, ...]:

@@ -200,7 +200,9 @@ class Group(Table):
     """Contacts that carry together, for `least_share`."""
 
     name: Text = key("A name of its own.", "front")
-    contacts: list[Text] = key("The contacts.", ["front_left", "front_right"])
+    contacts: Annotated[list[Text], Field(min_length=1)] = key(
+        "The contacts.", ["front_left", "front_right"]
+    )
 
 
 class Payload(Table):

@@ -1,4 +1,4 @@
-"""Snap: discs that were meant to be on one axle are put exactly there.
+"""Size of a robot, and snap: discs that were meant to be on one axle are put exactly there.
 
 A wheel that is described by two rims, with the noise of printed digits, must be a wheel: otherwise
 three rims of two wheels make up a rest on which no robot stands.
@@ -6,15 +6,43 @@ three rims of two wheels make up a rest on which no robot stands.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from lutgen.parts import Contact, Link, parents_first
+from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.model import Recipe
-from lutgen.recipe.size import contact_tolerance_of, robot_size_of
-from lutgen.rotation import rotation
-from lutgen.vector import Floats
+from lutgen.vector import Floats, rotation
+
+# Postures that are looked at: both ends and the middle of every parameter, or of so many parameters
+# that they would be more than this, the ends of as many as possible.
+POSTURES = 1024
+# Part of the size: how near to a facet's plane a contact counts to its support polygon.
+TOLERANCE = 1e-4
+
+
+def contact_tolerance_of(recipe: Recipe) -> float:
+    """Return `contact_tolerance` (length) of a recipe, or what it is by default."""
+    tolerance = recipe.contact_tolerance
+    return TOLERANCE * robot_size_of(recipe) if tolerance is None else tolerance
+
+
+@lru_cache(maxsize=64)
+def robot_size_of(recipe: Recipe) -> float:
+    """Return the greatest distance of a contact's far side from the com over `POSTURES`."""
+    places = []
+    for place, one in enumerate(recipe.parameters):
+        knots = [one.minimum, 0.5 * (one.minimum + one.maximum), one.maximum]
+        if 3 ** len(recipe.parameters) > POSTURES:
+            knots = knots[::2] if 2 ** (place + 1) <= POSTURES else knots[1:2]
+        places.append(knots)
+    radius, _ = radii_and_kinds(recipe)
+    centres = forward(recipe, np.array(list(product(*places)), dtype=np.float64)).centres
+    return float((np.sqrt((centres**2).sum(axis=2)) + radius).max(initial=0.0))
+
 
 # Part of the size: what moves by less is exact but for rounding, and stays as it is.
 ROUNDING = 1e-12

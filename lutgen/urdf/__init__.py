@@ -1,5 +1,5 @@
 """A robot description of ROS, read into links, joints and shapes.
 
-In reading order: `xml`, `description`, `printed`, `read`, `joints`, `links`, `shapes`, `srdf`,
-`sources`, `meshes`, `feet`.
+In reading order: `xml`, `description`, `read`, `joints`, `links`, `srdf`, `sources`, `meshes`,
+`feet`, `mjcf`.
 """

@@ -10,10 +10,9 @@ import math
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from lutgen.rotation import angles
 from lutgen.urdf.description import Collision
 from lutgen.urdf.meshes import DIGITS
-from lutgen.vector import Floats, Ints
+from lutgen.vector import Floats, Ints, angles
 
 # Directions of a fan, and of a turn in a plane; even, so that opposite ones are among them.
 RINGS, ROUND = 9, 1440
@@ -49,10 +48,9 @@ LOSS, MOST = 0.01, 8
 def wheel_of(
     points: Floats, origin: Floats, axis: Floats, noun: str = "a wheel"
 ) -> Collision | None:
-    """Return the cylinder whose rims stand for a wheel, None of a body that is none.
+    """Return the cylinder whose rims stand for a wheel about an axis, None of a body that is none.
 
-    `points` (n, 3) are its hull's, `origin` and the unit vector `axis` its joint's, in the link's
-    frame, m.  The radius is the largest of any corner; the tread ends at the outermost corners that
+    The radius is the largest of any corner (n, 3); the tread ends at the outermost corners that
     lie within one of `TREADS` of it, whichever makes the rims reach most nearly as the body does.
     """
     away = points - origin
@@ -90,9 +88,8 @@ def wheel_of(
 def foot_of(points: Floats, down: Floats) -> Collision:
     """Return what stands for the lower end of a body, with a note on how far (mm) it is off.
 
-    `points` (n, 3) are its hull's, `down` leads downwards, in the link's frame, m.  It is a sphere
-    of a ball, a cylinder of a disc about an axis of the link, else ``"points"``: the corners of a
-    flat sole, or the lowest corners.
+    It is a sphere of a ball, a cylinder of a disc about an axis of the link, else ``"points"``: the
+    corners of a flat sole, or the lowest corners of the hull's (n, 3).
     """
     fan = [_ring(down, LEAN * k / RINGS, 8 * k) for k in range(1, RINGS + 1)]
     directions = np.concatenate([down[None], *fan])
@@ -126,10 +123,7 @@ def foot_of(points: Floats, down: Floats) -> Collision:
 
 
 def _ball(directions: Floats, reach: Floats) -> tuple[Collision, float]:
-    """Return the ball that reaches as far as the body, and by how much it is off at most, m.
-
-    Least squares in centre and radius; of what would have no radius it is off without limit.
-    """
+    """Return the ball that reaches as far as the body, and by how much it is off at most, m."""
     terms = np.column_stack([directions, np.ones(len(directions))])
     found = np.asarray(np.linalg.lstsq(terms, reach, rcond=None)[0], np.float64)
     off = float(np.abs(terms @ found - reach).max())
@@ -143,10 +137,7 @@ def _ball(directions: Floats, reach: Floats) -> tuple[Collision, float]:
 
 
 def _sole(points: Floats, down: Floats, width: float) -> tuple[Floats, Floats, float] | None:
-    """Return a flat sole, of the hull's faces near to level the largest; None if there is none.
-
-    Its corners (k, 3), its normal (3,), and how far the corners lie above its plane, m.
-    """
+    """Return the corners (k, 3) of the largest flat sole, its normal, and how uneven (m) it is."""
     try:
         hull = ConvexHull(points)
     except QhullError:

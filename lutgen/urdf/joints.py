@@ -19,10 +19,7 @@ TURNING = ("revolute", "continuous")
 
 @dataclass(frozen=True)
 class Couple:
-    """Joints that one parameter drives, `why`, and scale and offset of each.
-
-    Each is scale * parameter + offset; the first of them stands for the parameter in a Motion.
-    """
+    """Joints that one parameter drives and `why`: each is at scale * parameter + offset."""
 
     name: str
     joints: dict[str, tuple[float, float]]
@@ -36,10 +33,7 @@ class Couple:
 
 @dataclass(frozen=True)
 class Drive:
-    """Value of a joint: scale * parameter + offset; constant where `by` is None.
-
-    `by` is the free joint that is the parameter, or the first of those that it drives.
-    """
+    """Value of a joint: scale * parameter + offset, constant where `by`, its joint, is None."""
 
     by: str | None
     scale: float
@@ -86,11 +80,10 @@ def read_motion(
 ) -> Motion:
     """Sort the joints; RecipeError is raised for what cannot be free, or not together.
 
-    Free are those `chosen`, or all that can be, beside those of `couples`, each joint at most once.
-    `posture` has values at rest (rad or m), or the limits nearest to them; 0 for joints that it
-    does not name, and nothing for those that mimic others.  A parameter of 360 deg or more, or
-    without limits, has -180 to 180 deg; the limits of all joints that it drives, and of those that
-    mimic them, bound it.
+    Free are those `chosen`, or all that can be, beside those of `couples`.  `posture` has values at
+    rest (rad or m), 0 for joints that it does not name; they are brought within the limits.  The
+    limits of all joints that a parameter drives, and of those that mimic them, bound it; one of
+    360 deg or more, or without limits, has -180 to 180 deg.
     """
     posture = posture or {}
     leaders = _leaders(robot, couples)
@@ -105,13 +98,11 @@ def read_motion(
             continue
         leader, scale, offset = leaders[joint.name]
         why = _why_held(joint, leader, scale, ranges, chosen)
-        if why is None:
-            drives[joint.name] = Drive(leader.name, scale, offset)
-        else:
+        drives[joint.name] = Drive(leader.name, scale, offset)
+        if why is not None:
             held[joint.name] = why
-            rest = 0.0
-            if leader.kind != "fixed":
-                rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
+            rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
+            rest = 0.0 if leader.kind == "fixed" else rest
             drives[joint.name] = Drive(None, 0.0, scale * rest + offset)
     free, at_rest = {}, {}
     for joint in robot.joints:

@@ -1,15 +1,19 @@
-"""The links of a robot description as a recipe has them, and where they are."""
+"""The links of a robot description as a recipe has them: where they are, and their contacts.
 
-from collections.abc import Mapping
+A sphere is a sphere, a cylinder its two rim discs, a capsule the spheres at its ends, a box its
+eight corners; a mesh is what was recognised in it.
+"""
+
+import itertools
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from lutgen.errors import reject
-from lutgen.parts import Joint, Link
-from lutgen.rotation import angles, axis_rotation, rotation
-from lutgen.urdf.description import UrdfJoint, UrdfRobot
+from lutgen.parts import Contact, Joint, Link
+from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import Motion
-from lutgen.vector import Floats, Vector
+from lutgen.vector import Floats, Vector, angles, axis_rotation, rotation
 
 # Rotation (3, 3) and origin (3,) of a link in the frame of the root.
 Place = tuple[Floats, Floats]
@@ -36,8 +40,7 @@ def require_mass(robot: UrdfRobot) -> None:
 def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
-    A joint held away from zero is part of its link's placement; `parameters` has the name of the
-    parameter for each free joint.  Without any mass RecipeError is raised.
+    A joint held away from zero is part of its link's placement; `parameters` names free joints'.
     """
     require_mass(robot)
     described = {link.name: link for link in robot.links}
@@ -111,3 +114,52 @@ def as_vector(values: Floats) -> Vector:
     """Return an array (3,) as a vector of the recipe."""
     x, y, z = values.tolist()
     return x, y, z
+
+
+# Shapes that are taken for feet and wheels; points are what a mesh that was opened has at its foot.
+TOUCHING = ("sphere", "cylinder", "capsule", "points")
+
+
+def used_shapes(link: UrdfLink) -> list[Collision]:
+    """Return the collision shapes that touch the ground: all but boxes, or else the boxes.
+
+    A box between the wheels of a track is no further out than they are, where it meets the ground.
+    """
+    shapes = [shape for shape in link.collisions if shape.kind in TOUCHING]
+    return shapes or [shape for shape in link.collisions if shape.kind == "box"]
+
+
+def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
+    """Return the contacts of a link's collision shapes, in its frame (m), in order of the file.
+
+    They have the given name, the link's by default; where there are several, the number of the
+    shape and that of the disc, corner or point follow it.
+    """
+    shapes, name = used_shapes(link), name or link.name
+    result = []
+    for i, shape in enumerate(shapes, 1):
+        first = name if len(shapes) == 1 else f"{name}_{i}"
+        parts = list(_primitives(shape))
+        for k, (position, radius, axis) in enumerate(parts, 1):
+            full = first if len(parts) == 1 else f"{first}_{k}"
+            result.append(Contact(full, link.name, position, radius, axis))
+    return result
+
+
+def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None]]:
+    """Yield position, radius and axis; a radius of 0 makes a point."""
+    turn, centre = rotation(shape.rpy), np.array(shape.origin)
+    if shape.kind == "sphere":
+        yield shape.origin, shape.size[0], None
+    elif shape.kind in ("cylinder", "capsule"):
+        radius, length = shape.size
+        flat = shape.kind == "cylinder" and radius > 0.0
+        for end in (0.5, -0.5):
+            axis = as_vector(turn[:, 2]) if flat else None
+            yield as_vector(centre + end * length * turn[:, 2]), radius, axis
+    elif shape.kind == "points":
+        for point in np.array(shape.size).reshape(-1, 3):
+            yield as_vector(point), 0.0, None
+    else:
+        for corner in itertools.product((0.5, -0.5), repeat=3):
+            yield as_vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None

@@ -17,11 +17,10 @@ from scipy.spatial import ConvexHull, QhullError
 
 from lutgen import bounds
 from lutgen.errors import InputError, optional
-from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
 from lutgen.urdf.sources import Sources, quoted
 from lutgen.urdf.xml import LARGEST
-from lutgen.vector import Floats
+from lutgen.vector import Floats, rotation
 
 # Larger files are not read: they have more than a million triangles, and no foot needs that.
 MAX_BYTES = bounds.MESH_BYTES.most
@@ -85,11 +84,7 @@ def _hull(corners: Floats) -> Floats:
 
 
 def _corners(path: Path) -> Floats:
-    """Return the corners (n, 3) in a file, m.
-
-    Collada is in the unit that it declares, and with its axes as they are, as ROS reads it.
-    InputError says what is wrong without naming the file.
-    """
+    """Return the corners (n, 3) in a file, m; of Collada with its axes as they are, as in ROS."""
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)

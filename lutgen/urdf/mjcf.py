@@ -14,12 +14,11 @@ import numpy as np
 
 from lutgen import bounds
 from lutgen.errors import RecipeError, optional, reject
-from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
 from lutgen.urdf.xml import parse_xml
-from lutgen.vector import Floats
+from lutgen.vector import Floats, angles, from_quaternion
 
 # Shapes by MuJoCo's numbers of geoms; lengths are halves there.
 SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
@@ -47,9 +46,7 @@ def load_mjcf(path: str | os.PathLike[str]) -> Mjcf:
     """Read an MJCF file with the package mujoco, which opens the files that it includes.
 
     The robot is the free body with most mass, or else the body of the world with most mass; joints
-    between it and the world are left out.  Values of joints count from the model's reference
-    posture (`qpos0`).  InputError is raised without the package, RecipeError for a file that MuJoCo
-    refuses, or that has no body with a mass.
+    between it and the world are left out.  Values of joints count from the posture `qpos0`.
     """
     source = os.fspath(path)
     mujoco = optional(source, "mujoco", "lutgen[mjcf]", "write a URDF")

@@ -15,11 +15,9 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.errors import suggestion
 from lutgen.parts import parents_first
-from lutgen.rotation import angles, from_quaternion
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
-from lutgen.urdf.printed import parts_of_turns
-from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml
-from lutgen.vector import Vector
+from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, parts_of_turns
+from lutgen.vector import Vector, angles, from_quaternion
 
 MAX_LINKS = bounds.LINKS.most
 VERSIONS = ("1", "1.0", "1.1", "1.2")

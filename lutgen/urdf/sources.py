@@ -64,9 +64,7 @@ class Sources:
     def package(self, name: str) -> Path | None:
         """Return the folder of a package, None where there is none.
 
-        The one that is given for the name, in ROS_PACKAGE_PATH and up to 3 levels below,
-        ``share/NAME`` in AMENT_PREFIX_PATH, then from `start` upwards each folder that is the
-        package, by its package.xml or above `start` by its own name, or that holds it.
+        It is the one that is given, or found by ROS's variables, or from `start` upwards.
         """
         if name in self.named:
             return self.named[name]
@@ -125,8 +123,7 @@ def load_xacro(
     """Expand a xacro file and check the description that comes out.
 
     `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
-    values of ``<xacro:arg>``.  InputError is raised without the package xacrodoc, RecipeError for
-    a package that is not found, what cannot be expanded, and what describes no robot.
+    values of ``<xacro:arg>``.
     """
     source = os.fspath(path)
     text = bounds.read(source, bounds.URDF_BYTES).decode("utf-8-sig", errors="replace")
@@ -138,45 +135,42 @@ def load_xacro(
         optional(source, name, "lutgen[xacro]", "expand the file with xacro")
         for name in ("xacro", "xacrodoc", "xacrodoc.packages")
     )
-    found: dict[str, Path] = dict(packages or {})
-    known = Sources(Path(source).parent, found.copy())
-    # Which packages are needed shows while the file is expanded: once more for each.
-    while True:
-        try:
-            # The library remembers packages of an earlier file.
-            finder.reset()
-            finder.update_package_cache(found)
-            # Includes are relative to the file that has them.
-            xacro.init_stacks(str(Path(source).absolute()))
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                document = xacrodoc.XacroDoc.from_string(
-                    text,
-                    subargs=dict(arguments or {}),
-                    resolve_packages=False,
-                    rootdir=Path(source).parent,
-                )
-                # Names of meshes keep what they begin with: no package of theirs is needed.
-                expanded = document.to_urdf_string(use_protocols=True)
-            return parse_urdf(expanded, source)
-        except RecipeError:
-            raise
-        except Exception as error:
-            # The expressions of a file can fail in any way that Python can.
-            cause: BaseException | None = error
-            while cause is not None and not isinstance(cause, finder.PackageNotFoundError):
-                cause = cause.__context__
-            if cause is None:
-                reject(source, "cannot be expanded", quoted(error), "correct the macros")
-            missing = str(cause.args[0])
-        folder = known.package(missing) if missing not in found else None
+    known = Sources(Path(source).parent, packages or {})
+
+    def find(package: str) -> str:
+        folder = known.package(package)
         if folder is None:
             raise RecipeError(
-                f"{source}: package {missing!r} was not found (looked in ROS_PACKAGE_PATH, "
+                f"{source}: package {package!r} was not found (looked in ROS_PACKAGE_PATH, "
                 "AMENT_PREFIX_PATH and the folders above the file); say where it is with "
-                f"--package {missing}=FOLDER."
+                f"--package {package}=FOLDER."
             )
-        found[missing] = folder
+        return str(folder.resolve())
+
+    # The library looks in what is installed of ROS alone.
+    finder.get_path = find
+    try:
+        # Includes are relative to the file that has them.
+        xacro.init_stacks(str(Path(source).absolute()))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            document = xacrodoc.XacroDoc.from_string(
+                text,
+                subargs=dict(arguments or {}),
+                resolve_packages=False,
+                rootdir=Path(source).parent,
+            )
+            # Names of meshes keep what they begin with: no package of theirs is needed.
+            expanded = document.to_urdf_string(use_protocols=True)
+    except Exception as error:
+        # The expressions of a file can fail in any way that Python can.
+        cause: BaseException | None = error
+        while cause is not None and not isinstance(cause, RecipeError):
+            cause = cause.__context__
+        if cause is not None:
+            raise cause from None
+        reject(source, "cannot be expanded", quoted(error), "correct the macros")
+    return parse_urdf(expanded, source)
 
 
 def quoted(error: Exception) -> str:

@@ -24,11 +24,10 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Srdf:
-    """The postures of an SRDF file: for each name the values of joints of the description.
+    """The postures of an SRDF file, and the moving joints of each of its groups.
 
     A posture of several groups has the joints of all.  Joints that the description has not, and
-    those with several values, such as a free body's, are not in it.  `groups` has the moving
-    joints of each group.
+    those with several values, such as a free body's, are not in it.
     """
 
     source: str
@@ -66,8 +65,7 @@ def standing_posture(
 ) -> Standing:
     """Return the posture to stand in: the one of that `name`, or the likeliest of the SRDF's.
 
-    The joints that are `given`, rad or m, stand elsewhere, and all others at zero.  InputError is
-    raised for a name without such a posture.
+    The joints that are `given`, rad or m, stand elsewhere, and all others at zero.
     """
     if srdf is None and name is not None:
         what, got = f"there is no SRDF file beside {robot.source}", f"{name!r}"
@@ -93,10 +91,7 @@ def standing_posture(
 
 
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
-    """Read postures and groups of an SRDF of at most 16 MiB, for the joints of `robot`.
-
-    RecipeError is raised for a file with any fault.
-    """
+    """Read the postures and groups of an SRDF file; one with any fault raises RecipeError."""
     source = os.fspath(path)
     root, read = parse_xml(bounds.read(source, bounds.URDF_BYTES), source), Elements(source)
     if root.tag != "robot":
@@ -130,11 +125,7 @@ def srdf_beside(path: str | os.PathLike[str]) -> Path | None:
 
 
 def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[str, float]:
-    """Return values in deg, of slides in m, as rad and m; refuse those that joints cannot take.
-
-    InputError is raised for a joint that is unknown, fixed or follows another, that is given
-    twice, and for a value outside its limits.
-    """
+    """Return values in deg, of slides in m, as rad and m; refuse those that joints cannot take."""
     joints = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     result: dict[str, float] = {}
 
@@ -164,8 +155,7 @@ def _within(joint: UrdfJoint, value: float) -> bool:
 def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:
     """Return the moving joints of each ``<group>`` of an SRDF, in order of the description.
 
-    Those that it lists, of its chains and links, and of the groups in it; what the description
-    does not have is not in a group, such as a floating base.  A group may have none.
+    What the description does not have is in no group, such as a floating base.
     """
     parts: dict[str, list[Element]] = {}
     for group in root.iterfind("group"):

@@ -31,7 +31,7 @@ PARTS = {
 }
 # Chunks of each robot, in the ten minutes of `make physics`.
 CHUNKS = {"agreement": 6, "rocking": 4, "ground": 3, "holding": 2, "braking": 10}
-CHUNKS |= {"stopping": 4, "swinging": 6}
+CHUNKS |= {"stopping": 8, "swinging": 6}
 
 Counts = dict[str, Counter[str]]
 

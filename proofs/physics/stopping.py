@@ -89,11 +89,11 @@ def tried(name: str, rng: np.random.Generator) -> Counter[str]:
     least = stop_speeds(asked, begin.normal, []).anyhow
     if level is not None and np.allclose(level.normal, begin.normal) and least > SLOWEST:
         foremost = int(level.basis[np.argmax(level.points @ ahead)])
-        found[COLUMNS[2]] += tips(posture, level, begin.normal, least * ahead, foremost)
-    heading = straight(asked, down, frame) if not posture.primitives.radius.any() else None
-    if heading is not None:
-        ahead = frame @ [math.cos(heading), math.sin(heading), 0.0]
-        speed = BEYOND * stop_speeds(asked, down, [heading]).all_at_once[0]
-        found[COLUMNS[3]] += 1
-        found[COLUMNS[4]] += not tips(posture, begin, down, speed * ahead)
+        found[COLUMNS[2]] += tips(posture, level, level.normal, least * ahead, foremost)
+        heading = None if posture.primitives.radius.any() else straight(asked, level.normal, frame)
+        if heading is not None:
+            ahead = frame @ [math.cos(heading), math.sin(heading), 0.0]
+            speed = BEYOND * stop_speeds(asked, level.normal, [heading]).all_at_once[0]
+            found[COLUMNS[3]] += 1
+            found[COLUMNS[4]] += not tips(posture, level, level.normal, speed * ahead)
     return found

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 import lutgen
@@ -12,7 +11,6 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.posture import Posture
 from lutgen.quantities import CHANNELS
-from lutgen.recipe.recipe import Recipe
 from tests.fixtures.length import part
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -32,29 +30,29 @@ FORCES = [
 ]
 
 
-def uphill(pitch: float, heading: float) -> tuple[float, float, float]:
+def uphill(pitch, heading):
     """Gravity of a slope (deg) that rises towards a heading (deg)."""
     p, h = math.radians(pitch), math.radians(heading)
     return -math.sin(p) * math.cos(h), -math.sin(p) * math.sin(h), -math.cos(p)
 
 
-def towards(x: float, y: float, tilt: float) -> tuple[float, float, float]:
+def towards(x, y, tilt):
     """Gravity tilted (deg) towards +-x or +-y."""
     t = math.radians(tilt)
     return math.sin(t) * x, math.sin(t) * y, -math.cos(t)
 
 
-def stool(points: list[tuple[float, float, float]], head: str = "") -> Recipe:
+def stool(points, head=""):
     """Return a robot of point feet and no parameters."""
     return lutgen.parse_recipe(rigid(feet(points), head=head))
 
 
-def moment(points: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+def moment(points, shares):
     """Return where the resultant of the normal forces goes through the plane."""
     return shares @ points
 
 
-def test_forces_on_three_wheels_equal_the_table_and_are_barycentric_coordinates() -> None:
+def test_forces_on_three_wheels_equal_the_table_and_are_barycentric_coordinates():
     for pitch, heading, exact, rough, difference in FORCES:
         gravity = np.array(uphill(pitch, heading))
         found = diagnose(Posture(stool(WHEELS), []), gravity)
@@ -73,7 +71,7 @@ def test_forces_on_three_wheels_equal_the_table_and_are_barycentric_coordinates(
     assert tips.channels["tip_angle"] < 0.0
 
 
-def contacts_of_any_kind(rng: np.random.Generator, kind: int) -> NDArray[np.float64]:
+def contacts_of_any_kind(rng, kind):
     """Return 3 to 11 contacts of any plane: anywhere, on a lattice, in a line, in two rows."""
     k = int(rng.integers(3, 12))
     flat = rng.normal(size=(k, 2))
@@ -87,7 +85,7 @@ def contacts_of_any_kind(rng: np.random.Generator, kind: int) -> NDArray[np.floa
     return np.asarray(np.column_stack([flat, np.full(k, -1.0)]) @ turn * 10 ** rng.uniform(-3, 3))
 
 
-def test_sets_of_contacts_inside_and_in_lines_balance_and_none_pulls() -> None:
+def test_sets_of_contacts_inside_and_in_lines_balance_and_none_pulls():
     rng = np.random.default_rng(11)
     inside = 0
     count = part(2000)
@@ -112,7 +110,7 @@ def test_sets_of_contacts_inside_and_in_lines_balance_and_none_pulls() -> None:
     assert inside > count // 4
 
 
-def test_the_range_of_each_share_is_that_of_two_linear_programmes() -> None:
+def test_the_range_of_each_share_is_that_of_two_linear_programmes():
     rng = np.random.default_rng(12)
     wide = 0
     for trial in range(60):
@@ -130,7 +128,7 @@ def test_the_range_of_each_share_is_that_of_two_linear_programmes() -> None:
     assert wide > 100
 
 
-def test_of_a_table_with_a_fifth_foot_all_five_carry_and_each_is_given_its_range() -> None:
+def test_of_a_table_with_a_fifth_foot_all_five_carry_and_each_is_given_its_range():
     # The fifth foot is in the middle, below the com: it carries anything from none to all.
     found = diagnose(Posture(stool([*TABLE, (0.0, 0.0, -1.0)]), []), (0, 0, -1))
     assert found.forces_kind == "minimum norm"
@@ -147,7 +145,7 @@ def test_of_a_table_with_a_fifth_foot_all_five_carry_and_each_is_given_its_range
     assert (up.facet, up.standing, math.isnan(up.slope)) == (None, False, True)
 
 
-def test_three_feet_and_a_fourth_between_two_of_them_are_not_exact() -> None:
+def test_three_feet_and_a_fourth_between_two_of_them_are_not_exact():
     # D_g at the centroid: P3 carries a third, and P1, P2 and P4 between them share the rest.
     feet_of_four = [(1.0, 1.0, -1.0), (-1.0, 1.0, -1.0), (0.0, -2.0, -1.0), (0.0, 1.0, -1.0)]
     found = diagnose(Posture(stool(feet_of_four), []), (0, 0, -1))
@@ -163,7 +161,7 @@ def test_three_feet_and_a_fourth_between_two_of_them_are_not_exact() -> None:
     assert {high - low for low, high in three.normal_ranges.values()} == {0.0}
 
 
-def test_on_an_edge_only_that_edges_feet_carry_and_of_two_the_shares_are_exact() -> None:
+def test_on_an_edge_only_that_edges_feet_carry_and_of_two_the_shares_are_exact():
     points = np.array(TABLE)
     loads = load_corners(points, np.array([2.0, 0.5, -1.0]))
     assert loads.tolist() == [pytest.approx([0.75, 0.0, 0.0, 0.25], abs=1e-14)]
@@ -171,7 +169,7 @@ def test_on_an_edge_only_that_edges_feet_carry_and_of_two_the_shares_are_exact()
     assert load_corners(points, points[2]).tolist() == [[0.0, 0.0, 1.0, 0.0]]
 
 
-def test_over_a_wheel_eq_12_says_two_thirds_and_on_an_edge_a_fifth_lifts_off() -> None:
+def test_over_a_wheel_eq_12_says_two_thirds_and_on_an_edge_a_fifth_lifts_off():
     points = np.array(WHEELS)
     assert normal_forces(points, points[0]) == pytest.approx([1, 0, 0], abs=1e-12)
     assert heuristic_forces(points, points[0]) == pytest.approx([2 / 3, 1 / 6, 1 / 6], abs=1e-12)
@@ -181,7 +179,7 @@ def test_over_a_wheel_eq_12_says_two_thirds_and_on_an_edge_a_fifth_lifts_off() -
     assert heuristic_forces(points, middle)[0] == pytest.approx(0.2026, abs=5e-5)
 
 
-def test_over_a_gap_the_robot_stands_but_no_forces_balance_on_its_facet() -> None:
+def test_over_a_gap_the_robot_stands_but_no_forces_balance_on_its_facet():
     # Four wheels of which one hangs lower: between its two facets the robot rocks.
     recipe = lutgen.parse_recipe(rover())
     seen = {True: 0, False: 0}
@@ -208,9 +206,7 @@ TABLE = [(2.0, 1.0, -1.0), (-2.0, 1.0, -1.0), (-2.0, -1.0, -1.0), (2.0, -1.0, -1
     # Beyond the limits (63.4 and 45 deg) it is the axis over which the table falls.
     [(1, 0, 60, "14"), (-1, 0, 60, "23"), (0, 1, 10, "12"), (1, 0, 80, "14"), (0, -1, 60, "34")],
 )
-def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
-    x: float, y: float, tilt: float, feet: str
-) -> None:
+def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(x, y, tilt, feet):
     recipe = stool(TABLE, "friction = 0.5")
     found = diagnose(Posture(recipe, []), towards(x, y, tilt))
     assert found.least_stable is not None
@@ -229,7 +225,7 @@ def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
     assert diagnose(Posture(stool(TABLE), []), (1, 0, -1)).slides is None
 
 
-def test_axes_carry_their_own_margins_and_energies() -> None:
+def test_axes_carry_their_own_margins_and_energies():
     found = diagnose(Posture(stool(TABLE), []), (0, 0, -1))
     for axis in found.tip_over_axes:
         d = 2.0 if np.linalg.norm(axis.stop - axis.start) < 3.0 else 1.0
@@ -239,7 +235,7 @@ def test_axes_carry_their_own_margins_and_energies() -> None:
 
 
 @pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "wheels"])
-def test_channels_of_a_diagnosis_are_those_of_evaluate(text: str) -> None:
+def test_channels_of_a_diagnosis_are_those_of_evaluate(text):
     recipe = lutgen.parse_recipe(text)
     rng = np.random.default_rng(2)
     params = rng.uniform(

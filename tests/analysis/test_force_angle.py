@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 import lutgen
@@ -13,8 +12,6 @@ from lutgen.analysis.metrics import axis_force_angle, force_angle
 from lutgen.analysis.posture import Posture
 from lutgen.chart import unit_directions
 from tests.fixtures.recipes import feet, rigid, rover, without_limits
-
-Floats = NDArray[np.float64]
 
 # The polygon of hector_stability_metrics, its edges in order, and what that library prints.
 CORNERS = [(0, 0), (0, 2), (1, 2), (1, 0)]
@@ -35,12 +32,12 @@ COMS = {
 }
 
 
-def polygon(x: float, y: float, z: float = 1.0) -> lutgen.recipe.recipe.Recipe:
+def polygon(x, y, z=1.0):
     """Return the reference polygon, its corners relative to a com."""
     return lutgen.parse_recipe(rigid(feet([(cx - x, cy - y, -z) for cx, cy in CORNERS])))
 
 
-def measured(posture: Posture, gravity_dir: ArrayLike) -> Floats:
+def measured(posture, gravity_dir):
     """Return the measure of one posture (g,) under directions (g, 3) of any length."""
     names = ("tip_angle", "margin")
     found = lutgen.evaluate(posture.recipe, posture.row, gravity_dir, names)
@@ -49,7 +46,7 @@ def measured(posture: Posture, gravity_dir: ArrayLike) -> Floats:
 
 
 @pytest.mark.parametrize("x", COMS)
-def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) -> None:
+def test_every_axis_of_the_reference_polygon_has_the_published_values(x):
     found = diagnose(Posture(polygon(x, 0.7), []), (0, 0, -1))
     by_names = {frozenset(axis.names): axis for axis in found.tip_over_axes}
     axes = [by_names[frozenset(names)] for names in EDGES]
@@ -65,7 +62,7 @@ def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) 
     assert whole == pytest.approx([min(measure)], abs=1e-8)
 
 
-def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation() -> None:
+def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation():
     turns = Rotation.random(200_000, random_state=8).as_matrix()
     corners = np.array([(x, y - 0.7, -1.0) for x, y in CORNERS])
     points = np.einsum("rij,pj->rpi", turns, corners)
@@ -85,7 +82,7 @@ def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation() -> None:
             assert abs(found[name][0, 0]) < 1e-14, name
 
 
-def test_its_sign_is_the_verdict_in_convex_regions_and_others() -> None:
+def test_its_sign_is_the_verdict_in_convex_regions_and_others():
     rng = np.random.default_rng(3)
     directions = np.column_stack([rng.normal(0.0, 0.8, (4_000, 2)), -np.ones(4_000)])
     for recipe, params in ((polygon(0.2, 0.7), []), (lutgen.parse_recipe(rover()), [0.3])):
@@ -98,7 +95,7 @@ def test_its_sign_is_the_verdict_in_convex_regions_and_others() -> None:
     assert measure == pytest.approx(product, abs=1e-15)
 
 
-def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure() -> None:
+def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure():
     line = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)])))
     assert measured(Posture(line, []), [[0, 0, -1]]).tolist() == [-math.inf]
     around = [(1, 0, -1), (-1, 1, -1), (-1, -1, -1), (0, 0, 2)]

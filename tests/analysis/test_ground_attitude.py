@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import lutgen
@@ -15,7 +14,6 @@ from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from tests.fixtures.recipes import feet, rigid, tripod
 
-Floats = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 # A product of two rotations of unit vectors.
 ROUNDING = 1e-14
@@ -24,18 +22,18 @@ ROUNDING = 1e-14
 TABLE = [(0.5, 0.4, -0.5), (-0.5, 0.4, -0.5), (-0.5, -0.4, -0.5), (0.5, -0.4, -0.5)]
 
 
-def normals(count: int) -> Floats:
+def normals(count):
     """Return random unit vectors all over the sphere."""
     found = np.random.default_rng(5).normal(size=(count, 3))
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
-def attitude(roll: float, pitch: float) -> Floats:
+def attitude(roll, pitch):
     """Return the rotation from the body's frame to a frame with z upward."""
     return np.asarray(Rotation.from_euler("xyz", [roll, pitch, 0.0]).as_matrix())
 
 
-def test_the_transform_is_the_least_rotation_from_the_z_axis_to_the_normal() -> None:
+def test_the_transform_is_the_least_rotation_from_the_z_axis_to_the_normal():
     assert gravity_transform([0, 0, 2]).tolist() == np.eye(3).tolist()
     assert gravity_transform([0, 0, -1]).tolist() == np.diag([1.0, -1.0, -1.0]).tolist()
     almost = [[6e-9, 8e-9, -math.sqrt(1.0 - 1e-16)], [6e-4, 8e-4, -math.sqrt(1.0 - 1e-6)]]
@@ -54,7 +52,7 @@ def test_the_transform_is_the_least_rotation_from_the_z_axis_to_the_normal() -> 
         assert turn @ hinge == pytest.approx(hinge, abs=ROUNDING)
 
 
-def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again() -> None:
+def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again():
     recipe = lutgen.parse_recipe(tripod())
     random = np.random.default_rng(8)
     for _ in range(60):
@@ -84,7 +82,7 @@ def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again(
         assert back == pytest.approx(-up, abs=1e-13)
 
 
-def test_the_accelerometer_of_a_level_robot_says_where_the_slope_falls() -> None:
+def test_the_accelerometer_of_a_level_robot_says_where_the_slope_falls():
     # Gravity pulls towards what is low, the accelerometer reads the opposite.
     assert np.degrees(roll_pitch((-0.5, 0.0, math.sqrt(0.75)))) == pytest.approx([0.0, 30.0])
     assert np.degrees(roll_pitch((0.0, 0.5, math.sqrt(0.75)))) == pytest.approx([30.0, 0.0])
@@ -96,7 +94,7 @@ def test_the_accelerometer_of_a_level_robot_says_where_the_slope_falls() -> None
         assert (ground.height, ground.standing) == (pytest.approx(0.5, abs=1e-15), True)
 
 
-def test_nothing_is_known_of_the_ground_where_gravity_pierces_no_facet() -> None:
+def test_nothing_is_known_of_the_ground_where_gravity_pierces_no_facet():
     recipe = lutgen.parse_recipe(rigid(feet(TABLE)))
     with pytest.raises(InputError, match=r"lies on no support facet \(got up_dir = \[0.0, 0.0, -1"):
         tangent_plane(Posture(recipe, []), [0, 0, -1])

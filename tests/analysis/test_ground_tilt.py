@@ -24,9 +24,7 @@ FLAT, RISES, HIGH, WIDE, BEND = 0.2, 0.5, 0.5, 0.6, math.radians(12.0)
 NAMES = pytest.mark.parametrize("name", ["bowls", "absolem", "articulated", "marv"])
 
 
-def sledge(
-    rock_angle: float, flat: float = FLAT, rises: float = RISES, bend: float = BEND
-) -> Posture:
+def sledge(rock_angle, flat=FLAT, rises=RISES, bend=BEND):
     """Return a sledge on eight points."""
     up = -HIGH + rises * math.tan(bend)
     points = [
@@ -37,7 +35,7 @@ def sledge(
     return Posture(parse_recipe(rigid(feet(points), head=f"rock_angle = {rock_angle}")), [])
 
 
-def bowl(rng: np.random.Generator) -> Posture:
+def bowl(rng):
     """Return a robot on random points of a bowl, which rocks over many of its facets."""
     count = int(rng.integers(6, 14))
     angle, reach = rng.uniform(0.0, 2.0 * math.pi, count), np.sqrt(rng.uniform(0.05, 1.0, count))
@@ -47,7 +45,7 @@ def bowl(rng: np.random.Generator) -> Posture:
     return Posture(parse_recipe(rigid(feet(points.tolist()), head=head)), [])
 
 
-def postures(name: str, count: int) -> list[Posture]:
+def postures(name, count):
     """Return bowls, or postures of a robot of the gallery all over its ranges."""
     rng = np.random.default_rng(3)
     if name == "bowls":
@@ -57,7 +55,7 @@ def postures(name: str, count: int) -> list[Posture]:
     return [Posture(robot, row) for row in rng.uniform(low, high, (count, len(low)))]
 
 
-def walked(posture: Posture, ways: np.ndarray) -> tuple[int, int]:
+def walked(posture, ways):
     """Return at which of many tilts and headings (w, 2) a robot tips, and how often it has rolled.
 
     It asks `evaluate` alone for verdicts.  Where gravity leaves the facet that it is on, found by
@@ -66,7 +64,7 @@ def walked(posture: Posture, ways: np.ndarray) -> tuple[int, int]:
     """
     facets, frame = posture.stance.facets, level_frames(posture.recipe, posture.row, "plane")[0]
 
-    def read(frame: np.ndarray, way: np.ndarray) -> tuple[int, float]:
+    def read(frame, way):
         """Return the facet on which it stands still, -1 for none, and `tip_angle`."""
         down, names = (frame @ tilted(*way))[None], ("facet", "status", "tip_angle")
         found = lutgen.evaluate(posture.recipe, posture.row, down, names)
@@ -97,7 +95,7 @@ def walked(posture: Posture, ways: np.ndarray) -> tuple[int, int]:
     return (len(ways) if on >= 0 else 0), rolls
 
 
-def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_body() -> None:
+def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_body():
     body = '[[robot.link]]\nname = "body"\nmass = 10.0\n'
     pull = '[[robot.force]]\nname = "pull"\nlink = "body"\nforce = [15.0, 5.0, -3.0]\n'
     pulled = rigid(body + feet(BOX) + pull + "position = [0.1, 0.0, 0.3]\n")
@@ -114,7 +112,7 @@ def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_b
             assert set(found.contacts(found.worst)) == {"P3", "P4"}
 
 
-def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_there() -> None:
+def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_there():
     rocks, falls = ground_tilt(sledge(30.0)), ground_tilt(sledge(10.0))
     # Gravity through the tip of the nose, from the normal of the plane that it stands on then.
     tip = math.atan((FLAT + RISES) / (HIGH - RISES * math.tan(BEND)))
@@ -128,7 +126,7 @@ def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_the
     assert leaves - 0.003 < ground_tilt(Posture(ball, [])).limits(ahead).min() < leaves
 
 
-def test_a_sledge_that_its_nose_does_not_hold_tips_where_it_leaves_its_flat() -> None:
+def test_a_sledge_that_its_nose_does_not_hold_tips_where_it_leaves_its_flat():
     flat, rises, bend = 0.1, 0.3, math.radians(20.0)
     leaves, high = math.atan(flat / HIGH), rises * math.tan(bend)
     # From its balance at the bend it falls on to the tip of the nose, and has more energy than it
@@ -139,7 +137,7 @@ def test_a_sledge_that_its_nose_does_not_hold_tips_where_it_leaves_its_flat() ->
     np.testing.assert_allclose(ground_tilt(posture).limits(ahead), leaves, atol=1e-12)  # rounding
 
 
-def test_what_tips_on_level_ground_has_no_limit_and_what_is_over_an_edge_stands() -> None:
+def test_what_tips_on_level_ground_has_no_limit_and_what_is_over_an_edge_stands():
     aside = Posture(parse_recipe(rigid(feet([(x + 1.0, y, z) for x, y, z in BOX]))), [])
     found = ground_tilt(aside)
     assert (found.guaranteed, found.least, found.contacts(0.0)) == (0.0, 0.0, ())
@@ -155,7 +153,7 @@ def test_what_tips_on_level_ground_has_no_limit_and_what_is_over_an_edge_stands(
     assert away == pytest.approx([math.atan(0.35 / 0.4 / math.sin(1.0))] * 2, abs=1e-9)
 
 
-def test_an_articulated_robot_tips_on_the_ground_where_a_physics_engine_says_so() -> None:
+def test_an_articulated_robot_tips_on_the_ground_where_a_physics_engine_says_so():
     robot = lutgen.load_recipe(MAPS / "articulated.toml")
     posture = Posture(robot, np.radians([45.0, 15.0]))
     found = ground_tilt(posture)
@@ -170,9 +168,9 @@ def test_an_articulated_robot_tips_on_the_ground_where_a_physics_engine_says_so(
 
 
 @NAMES
-def test_ground_tilted_step_by_step_tips_robots_at_the_limits_in_closed_form(name: str) -> None:
+def test_ground_tilted_step_by_step_tips_robots_at_the_limits_in_closed_form(name):
     rng, step, rolled = np.random.default_rng(1), math.radians(0.2), 0
-    for posture in postures(name, part(16, 2)):
+    for posture in postures(name, part(16, 2 if name == "bowls" else 4)):
         found, fine = ground_tilt(posture), np.linspace(-math.pi, math.pi, 3601)
         # No heading of a fine grid is worse than the worst, and that is as bad, but for rounding.
         assert found.limits(fine).min() >= found.least - 1e-12
@@ -188,9 +186,9 @@ def test_ground_tilted_step_by_step_tips_robots_at_the_limits_in_closed_form(nam
 
 
 @NAMES
-def test_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned(name: str) -> None:
+def test_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned(name):
     rng, around, rolled = np.random.default_rng(6), np.radians(np.arange(0.0, 720.0, 3.0)), 0
-    for posture in postures(name, part(16, 2)):
+    for posture in postures(name, part(16, 2 if name == "bowls" else 4)):
         found, heading = ground_tilt(posture), float(rng.uniform(-math.pi, math.pi))
         slope = 0.999 * found.guaranteed
         up = np.stack([np.linspace(0.0, slope, 20), np.full(20, heading)], axis=1)
@@ -201,7 +199,7 @@ def test_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned(na
     assert rolled > 0
 
 
-def test_positions_that_are_a_little_wrong_do_not_change_what_is_guaranteed() -> None:
+def test_positions_that_are_a_little_wrong_do_not_change_what_is_guaranteed():
     rng, sigma = np.random.default_rng(0), 1e-5
     places = [(x, y + d) for x in (0.3, 0.0, -0.3) for y in (0.3, -0.3) for d in (0.02, -0.02)]
     for _ in range(6):

@@ -1,7 +1,6 @@
 """Wheels on hinges in MuJoCo: they stay where the robot holds and go where it rolls."""
 
 import math
-from collections.abc import Collection
 
 import numpy as np
 import pytest
@@ -10,14 +9,13 @@ import lutgen
 from lutgen.analysis import Posture, holds, may_hold, roll_limits, tilted
 from tests.fixtures.recipes import contact, rigid
 
-Places = list[tuple[float, float]]
 TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
 SIX = [(x, y) for x in (0.5, 0.0, -0.5) for y in (0.4, -0.4)]
 
 pytestmark = pytest.mark.needs("mujoco")
 
 
-def wheeled(places: Places, rolling: Collection[int], friction: float) -> Posture:
+def wheeled(places, rolling, friction):
     """Return a robot on wheels half a metre below its com."""
     text = ""
     for i, (x, y) in enumerate(places):
@@ -26,7 +24,7 @@ def wheeled(places: Places, rolling: Collection[int], friction: float) -> Postur
     return Posture(lutgen.parse_recipe(rigid(text, head=f"friction = {friction}")), [])
 
 
-def moved(posture: Posture, places: Places, heading: float, tilt: float) -> float:
+def moved(posture, places, heading, tilt):
     """Return how far MuJoCo's wheels go in a second after gravity has leant over slowly."""
     import mujoco
 
@@ -58,9 +56,7 @@ def moved(posture: Posture, places: Places, heading: float, tilt: float) -> floa
 
 
 @pytest.mark.parametrize(("rolling", "heading"), [((0,), 35.0), ((2,), 215.0), ((0, 1), 0.0)])
-def test_three_wheels_roll_away_from_the_same_tilt_on(
-    rolling: tuple[int, ...], heading: float
-) -> None:
+def test_three_wheels_roll_away_from_the_same_tilt_on(rolling, heading):
     robot, ahead = wheeled(TRICYCLE, rolling, 0.8), math.radians(heading)
     limit = float(roll_limits(robot, [ahead])[0])
     assert math.radians(2.0) < limit < math.atan(0.8) - math.radians(1.0)
@@ -72,7 +68,7 @@ def test_three_wheels_roll_away_from_the_same_tilt_on(
 
 
 @pytest.mark.parametrize("rolling", [(2, 3), (0, 1, 4, 5), (0, 1), (2, 3, 4, 5)])
-def test_six_wheels_stay_where_they_hold_and_go_where_they_roll(rolling: tuple[int, ...]) -> None:
+def test_six_wheels_stay_where_they_hold_and_go_where_they_roll(rolling):
     robot, stayed = wheeled(SIX, rolling, 0.7), set()
     for slope in (0.1, 0.35, 0.5, 0.69):
         down, way = tilted(math.atan(slope), [0.0]), moved(robot, SIX, 0.0, math.atan(slope))

@@ -14,8 +14,6 @@ from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.commands import run
-from tests.fixtures.documents import blocks
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 # 2 long, 1.2 wide, 1 high, its com a little off the centre.
@@ -100,30 +98,3 @@ def test_the_command_prints_one_row_per_heading_and_json_with_null_for_no_value(
     side, end = 0.6 * math.atan(0.6), math.atan(1.0)
     found = sorted(axis["force_angle_rad"] for axis in axes)
     assert found == pytest.approx([side, side, end, end], abs=1e-12)
-
-
-# The page
-
-
-def test_everything_on_the_page_runs_and_prints_what_it_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "maps").symlink_to(MAPS)
-    monkeypatch.chdir(tmp_path)
-    (recipe,) = blocks("docs/guide/metrics.md", "toml")
-    Path("trolley.toml").write_text(recipe)
-    commands = blocks("docs/guide/metrics.md", "sh")
-    shown = blocks("docs/guide/metrics.md", "text")
-    printed = []
-    for command in commands:
-        program, *arguments = command.replace("\\\n", " ").split()
-        assert program == "lutgen"
-        result = run(*arguments)
-        assert result.exit_code == 0, result.stderr
-        if result.stdout:
-            printed.append(result.stdout)
-    assert len(printed) == len(shown) > 0
-    for output, text in zip(printed, shown, strict=True):
-        # A page may leave out the end.
-        assert output.startswith(text)
-    assert Path("limits.png").read_bytes().startswith(b"\x89PNG")

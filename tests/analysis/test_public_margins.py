@@ -19,7 +19,7 @@ THEIRS = {
 
 
 @pytest.mark.parametrize("aside", THEIRS)
-def test_the_formulas_give_what_the_public_library_gives(aside: float) -> None:
+def test_the_formulas_give_what_the_public_library_gives(aside):
     corners = RECTANGLE - np.array([aside, 0.7, 1.0])
     for name, value in THEIRS[aside].items():
         weight = 9.81 if name == "force_angle" else 1.0
@@ -27,7 +27,7 @@ def test_the_formulas_give_what_the_public_library_gives(aside: float) -> None:
         assert weight * MARGINS[name](corners, LEVEL)[0] == pytest.approx(value, abs=6e-10)
 
 
-def test_on_one_polygon_they_are_our_channels_under_any_gravity() -> None:
+def test_on_one_polygon_they_are_our_channels_under_any_gravity():
     posture = Posture(lutgen.load_recipe("recipe:paper_two"), np.radians([31.0, 12.0]))
     stance = posture.stance_of_weight()
     down = np.random.default_rng(3).normal(size=(50, 3)) * 0.4 + LEVEL
@@ -46,7 +46,7 @@ def test_on_one_polygon_they_are_our_channels_under_any_gravity() -> None:
         assert np.array_equal(rule(corners, down) > 0.0, stands)
 
 
-def test_an_outline_takes_for_a_leg_what_hangs_in_the_air() -> None:
+def test_an_outline_takes_for_a_leg_what_hangs_in_the_air():
     recipe = lutgen.load_recipe("recipe:absolem")
     found = compare.asked(recipe, np.radians([0.0, 60.0]), np.radians([180.0]))
     assert found is not None

@@ -3,14 +3,10 @@
 import itertools
 import json
 import math
-from collections.abc import Collection
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 import lutgen
@@ -29,12 +25,9 @@ from lutgen.analysis.rolling import (
 )
 from lutgen.analysis.tilt import tilted
 from lutgen.cli import main
-from lutgen.recipe.recipe import Recipe
 from lutgen.support import DISC
 from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import contact, rigid
-
-Floats = NDArray[np.float64]
 
 LEFT = math.pi / 2.0
 # Front left, front right, rear left, rear right; the com half a metre above the ground.
@@ -42,12 +35,7 @@ PLACES = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
 FRONT, REAR, ALL = (0, 1), (2, 3), (0, 1, 2, 3)
 
 
-def cart(
-    rolling: Collection[int],
-    friction: float | None = 0.8,
-    ball: Collection[int] = (),
-    toe: float = 0.0,
-) -> str:
+def cart(rolling, friction=0.8, ball=(), toe=0.0):
     """Return a recipe of four wheels; `toe` (rad) turns the left ones about the vertical."""
     wheels = ""
     for i, (x, y) in enumerate(PLACES):
@@ -59,14 +47,12 @@ def cart(
     return rigid(wheels, name="cart", head=head)
 
 
-def parsed(*arguments: object, **options: object) -> Recipe:
+def parsed(*arguments, **options):
     """Return the same as a recipe."""
-    return lutgen.parse_recipe(cart(*arguments, **options))  # type: ignore[arg-type]
+    return lutgen.parse_recipe(cart(*arguments, **options))
 
 
-def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is_too_little() -> (
-    None
-):
+def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is_too_little():
     # With the nose down by t the rear axle carries (1 - tan t) / 2, uphill, and tan t = 0.8 x that.
     rear_braked, front_braked = math.atan(0.4 / 1.4), math.atan(0.4 / 0.6)
     limits = np.array([rear_braked, front_braked])
@@ -75,9 +61,7 @@ def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is
         assert found == pytest.approx(expected, abs=2e-8)  # it is halved to 1e-7 deg
 
 
-def test_without_brakes_a_cart_rolls_but_straight_across_and_braked_all_over_it_never_rolls() -> (
-    None
-):
+def test_without_brakes_a_cart_rolls_but_straight_across_and_braked_all_over_it_never_rolls():
     down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
     assert rolls(Posture(parsed(ALL, 0.5), []), down).all()
     assert not rolls(Posture(parsed(ALL, 0.5), []), [[0.0, 0.0, -1.0]]).any()
@@ -87,7 +71,7 @@ def test_without_brakes_a_cart_rolls_but_straight_across_and_braked_all_over_it_
     assert rolls(Posture(parsed(ALL, 0.5), []), across).tolist() == [False, True]
 
 
-def test_without_friction_brakes_hold_whatever_carries_load() -> None:
+def test_without_friction_brakes_hold_whatever_carries_load():
     for rolling in (FRONT, REAR, (0,), (0, 1, 2), (0, 3)):
         gentle = tilted(0.3, np.linspace(0.0, 6.0, 25))
         assert not rolls(Posture(parsed(rolling, None), []), gentle).any()
@@ -101,7 +85,7 @@ def test_without_friction_brakes_hold_whatever_carries_load() -> None:
     assert may_hold(Posture(parsed((0, 1, 2), None), []), lean).all()
 
 
-def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
+def test_a_robot_on_balls_swings_round_its_only_brake():
     # The rear right wheel is braked and the others are balls: gravity has an arm about it.
     caster = parsed((0, 1, 2), None, ball=(0, 1, 2))
     assert rolls(Posture(caster, []), tilted(0.2, [0.0, LEFT, 1.0])).all()
@@ -111,7 +95,7 @@ def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
     assert rolls(Posture(parsed(ALL, 0.9, ball=ALL), []), tilted(1e-3, [0.0, 2.0, 4.0])).all()
 
 
-def by_forces(posture: Posture, direction: Floats, load: Floats | None = None) -> float:
+def by_forces(posture, direction, load=None):
     """Return the largest downhill pull that friction forces balance, per unit of friction.
 
     A linear programme over the forces themselves, and without a load over the normal forces, too;
@@ -156,9 +140,7 @@ def by_forces(posture: Posture, direction: Floats, load: Floats | None = None) -
     return float(best.x[-1])
 
 
-def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_the_best_load() -> (
-    None
-):
+def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_the_best_load():
     rng = np.random.default_rng(5)
     seen = []
     kinds = list(itertools.product([(0,), FRONT, (0, 3), (0, 2), (0, 1, 2), ALL], (0.0, 0.3)))
@@ -194,7 +176,7 @@ SIX = [(x, y) for x in (0.5, 0.0, -0.5) for y in (0.4, -0.4)]
 MIDDLE, ENDS = (2, 3), (0, 1, 4, 5)
 
 
-def six(rolling: Collection[int], friction: float | None = 0.7, height: float = 0.5) -> Posture:
+def six(rolling, friction=0.7, height=0.5):
     """Return a six-wheeler."""
     wheels = ""
     for i, (x, y) in enumerate(SIX):
@@ -204,12 +186,12 @@ def six(rolling: Collection[int], friction: float | None = 0.7, height: float = 
     return Posture(lutgen.parse_recipe(rigid(wheels, head=head)), [])
 
 
-def ahead(*slopes: float) -> Floats:
+def ahead(*slopes):
     """Return gravity with the nose down by slopes, given by their tangents."""
     return tilted(np.arctan(slopes), 0.0)
 
 
-def test_a_six_wheeler_whose_middle_wheels_roll_may_hold_and_does_not_hold_for_certain() -> None:
+def test_a_six_wheeler_whose_middle_wheels_roll_may_hold_and_does_not_hold_for_certain():
     # The middle wheels may carry 1 - tan t of the load, and need not carry any.
     down = ahead(0.02, 0.3, 0.6, 0.69)
     assert not holds(six(MIDDLE), down).any()
@@ -221,7 +203,7 @@ def test_a_six_wheeler_whose_middle_wheels_roll_may_hold_and_does_not_hold_for_c
     assert holds(six(MIDDLE), [[0.0, 0.0, -1.0]]).all()
 
 
-def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_carry_it() -> None:
+def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_carry_it():
     # D_g is tan t x 0.5 ahead, so that they carry up to 1 - tan t: 0.7 (1 - tan t) = tan t.
     limit = 0.7 / 1.7
     assert may_hold(six(ENDS), ahead(0.02, limit - 1e-7, limit + 1e-7)).tolist() == [1, 1, 0]
@@ -231,7 +213,7 @@ def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_car
     assert hold_limits(six(ENDS), [0.0])[0] < 2e-8
 
 
-def test_a_brake_in_the_line_of_two_wheels_may_hold_what_these_need_not_leave_to_it() -> None:
+def test_a_brake_in_the_line_of_two_wheels_may_hold_what_these_need_not_leave_to_it():
     # Three contacts in a line along x, the middle one braked, and a foot aside.
     where = [(0.5, 0.4), (0.0, 0.4), (-0.5, 0.4), (0.0, -0.4)]
     robot = ""
@@ -253,7 +235,7 @@ def test_a_brake_in_the_line_of_two_wheels_may_hold_what_these_need_not_leave_to
         assert found.forces_kind == "minimum norm"
 
 
-def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheels() -> None:
+def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheels():
     down = np.array([0.6, 0.3, -1.0]) / math.sqrt(1.45)
     free = rolling_gravity(Posture(parsed(ALL), []), down)
     assert rolling_gravity(Posture(parsed(ALL, ball=ALL), []), down) == pytest.approx([0, 0, -1])
@@ -273,8 +255,8 @@ def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheel
     assert rolling_gravity(tail, tilted(0.2, 0.4)) is None
 
 
-def test_eval_and_metrics_say_whether_it_holds_and_how_it_tips_rolling(tmp_path: Path) -> None:
-    def ran(*words: str) -> tuple[dict[str, Any], str]:
+def test_eval_and_metrics_say_whether_it_holds_and_how_it_tips_rolling(tmp_path):
+    def ran(*words):
         text = CliRunner().invoke(main, [words[0], str(file), *words[1:]]).stdout
         return json.loads(CliRunner().invoke(main, [words[0], str(file), *words[1:], "--json"])
                           .stdout), text  # fmt: skip
@@ -304,7 +286,7 @@ def test_eval_and_metrics_say_whether_it_holds_and_how_it_tips_rolling(tmp_path:
         assert said in page
 
 
-def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum() -> None:
+def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum():
     # cos(pi/2) is 6e-17: the place where such a wheel alone costs least is 1e7 robots away.
     straight = math.cos(math.pi / 2.0)
     roll = np.array([[straight, 1.0]] * 3)

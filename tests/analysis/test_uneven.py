@@ -165,6 +165,8 @@ def nearest(points: Floats, normals: Floats, mu: Floats, com: Floats) -> tuple[F
         quicker = (1.0 + math.sqrt(1.0 + 4.0 * pace**2)) / 2.0
         ahead = projected + (pace - 1.0) / quicker * (projected - forces)
         forces, pace = projected, quicker
+        if np.linalg.norm(goal - rows @ forces.ravel()) < 1e-6:
+            break
     return forces, goal - rows @ forces.ravel()
 
 
@@ -208,7 +210,7 @@ def test_forces_balance_the_weight_within_their_cones_and_the_regions_corners_ho
         assert (np.ptp(rough, axis=0) > np.ptp(region, axis=0)).all()
 
 
-@settings(max_examples=part(40))
+@settings(max_examples=part(40, 8))
 @given(seed=st.integers(0, 10_000))
 def test_turning_scaling_and_renaming_change_nothing(seed: int) -> None:
     rng = np.random.default_rng(seed)

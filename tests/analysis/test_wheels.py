@@ -1,31 +1,27 @@
 """Wheel speeds: textbook robots, rolling without slip in space, and motions that are impossible."""
 
 import math
-from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.wheels import Motion, structure, wheel_speeds
+from lutgen.analysis.wheels import structure, wheel_speeds
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe
 from tests.fixtures.recipes import feet, rigid, tripod
 
-Floats = NDArray[np.float64]
 LEFT, RIGHT = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 DOWN = (0.0, 0.0, -1.0)
 # Sums and products of a few numbers of order 1.
 ROUNDING = 1e-12
 
 
-def wheel(name: str, axis: Sequence[float] = LEFT, radius: float = 0.1, extra: str = "") -> str:
+def wheel(name, axis=LEFT, radius=0.1, extra=""):
     """Return the TOML of one wheel."""
     return (
         f'[[robot.wheel]]\ncontact = "{name}"\nradius = {radius!r}\n'
@@ -33,24 +29,24 @@ def wheel(name: str, axis: Sequence[float] = LEFT, radius: float = 0.1, extra: s
     )
 
 
-def robot(points: Iterable[Sequence[float]], wheels: str, unit: str = "m") -> Recipe:
+def robot(points, wheels, unit="m"):
     """Return a rigid robot of point contacts P1, P2, ... with wheels; its com is the origin."""
     return lutgen.parse_recipe(rigid(feet(points) + wheels, unit=unit), "robot.toml")
 
 
-def speeds(motion: Motion) -> list[float]:
+def speeds(motion):
     """Return the speeds of all wheels, which must all touch."""
     assert all(w.touches and w.speed is not None for w in motion.wheels)
     return [float(w.speed or 0.0) for w in motion.wheels]
 
 
-def differential(ahead: float = 0.1) -> Recipe:
+def differential(ahead=0.1):
     """Two fixed wheels 0.5 apart, `ahead` of the com, and a caster behind."""
     points = [(ahead, 0.25, -0.2), (ahead, -0.25, -0.2), (-0.4, 0.0, -0.2)]
     return robot(points, wheel("P1") + wheel("P2"))
 
 
-def car() -> Recipe:
+def car():
     """Wheelbase 1.5, track 0.8, the com 0.6 ahead of the fixed rear axle, radius 0.2."""
     points = [(0.9, 0.4, -0.5), (0.9, -0.4, -0.5), (-0.6, 0.4, -0.5), (-0.6, -0.4, -0.5)]
     front = wheel("P1", radius=0.2, extra="steered = true")
@@ -58,7 +54,7 @@ def car() -> Recipe:
     return robot(points, front + wheel("P3", radius=0.2) + wheel("P4", radius=0.2))
 
 
-def test_a_differential_drive_turns_by_the_difference_of_its_wheels() -> None:
+def test_a_differential_drive_turns_by_the_difference_of_its_wheels():
     # The com is 0.1 behind the axle, so it swings out by 0.1 per rad of turning.
     motion = wheel_speeds(Posture(differential(), []), (0.5, -0.1), 1.0)
     # (v -+ w b) / r = (0.5 -+ 0.25) / 0.1
@@ -69,7 +65,7 @@ def test_a_differential_drive_turns_by_the_difference_of_its_wheels() -> None:
     assert (motion.structure.mobility, motion.structure.steerability) == (2, 0)
 
 
-def test_a_car_steers_by_ackermann() -> None:
+def test_a_car_steers_by_ackermann():
     # The turning centre is on the rear axle, 2 to the left; w = 0.5.
     motion = wheel_speeds(Posture(car(), []), (1.0, 0.3), 0.5)
     assert motion.possible
@@ -83,7 +79,7 @@ def test_a_car_steers_by_ackermann() -> None:
     assert (motion.structure.mobility, motion.structure.steerability) == (1, 1)
 
 
-def test_omniwheels_and_mecanum_wheels_obey_the_matrices_of_textbooks() -> None:
+def test_omniwheels_and_mecanum_wheels_obey_the_matrices_of_textbooks():
     angles = np.radians([30.0, 150.0, 270.0])
     inward = [(-math.cos(a), -math.sin(a), 0.0) for a in angles]
     points = [(0.3 * math.cos(a), 0.3 * math.sin(a), -0.2) for a in angles]
@@ -123,7 +119,7 @@ STRUCTURES = [
 ]
 
 
-def test_the_structure_is_what_the_wheels_leave() -> None:
+def test_the_structure_is_what_the_wheels_leave():
     for wheels, expected in STRUCTURES:
         text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
         found = structure(Posture(robot(SQUARE, text), []))
@@ -136,7 +132,7 @@ def test_the_structure_is_what_the_wheels_leave() -> None:
     assert motion.nearest_velocity == (0.0, 0.0)
 
 
-def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way() -> None:
+def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way():
     for vx, vy, steering, speed in (
         (-1.0, 0.0, 0.0, -10.0),
         (0.0, -1.0, 90.0, -10.0),
@@ -150,9 +146,7 @@ def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way() -> None:
         assert found.speed == pytest.approx(speed, abs=ROUNDING)
 
 
-def material_velocities(
-    recipe: Recipe, params: Sequence[float], gravity: Floats, axles: list[Floats], motion: Motion
-) -> tuple[list[Floats], list[Floats], Floats]:
+def material_velocities(recipe, params, gravity, axles, motion):
     """Return per wheel the velocity (3,) of the rim at the ground, and t; and the normal."""
     found = diagnose(Posture(recipe, params), gravity)
     assert found.facet is not None
@@ -172,7 +166,7 @@ def material_velocities(
     return rims, rolling, n
 
 
-def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes() -> None:
+def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes():
     rng = np.random.default_rng(1)
     for _ in range(100):
         axes = rng.normal(size=(3, 3))
@@ -201,7 +195,7 @@ def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes() -> No
         assert min(abs(s) for s in speeds(motion)) > 0.0
 
 
-def test_a_car_that_is_built_pitched_and_in_mm_drives_the_same_along_its_own_plane() -> None:
+def test_a_car_that_is_built_pitched_and_in_mm_drives_the_same_along_its_own_plane():
     plain, turn = car(), Rotation.from_euler("y", 25.0, degrees=True)
     contacts = tuple(
         replace(c, position=tuple((1000.0 * turn.apply(c.position)).tolist()))
@@ -222,7 +216,7 @@ def test_a_car_that_is_built_pitched_and_in_mm_drives_the_same_along_its_own_pla
     assert found.nearest_yaw_rate == pytest.approx(expected.nearest_yaw_rate, rel=1e-10)
 
 
-def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet() -> None:
+def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet():
     level = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
     assert wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (-0.5, 0.3, -2.0)) == level
     # Beyond the front wheels: the same plane, but the robot does not stay on it.
@@ -231,7 +225,7 @@ def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet() -> N
     assert tips == replace(level, standing=False)
 
 
-def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
+def test_a_slope_that_rocks_the_robot_lifts_another_wheel():
     points = [(1.0, 0.0, -0.5), (0.0, 0.8, -0.5), (-1.0, 0.0, -0.45), (0.0, -0.8, -0.5)]
     # The rear wheel's axle would lock the robot.
     wheels = wheel("P1", extra="rollers = 0") + wheel("P2") + wheel("P3", (1, 0, 0)) + wheel("P4")
@@ -249,7 +243,7 @@ def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
     assert back.slip == pytest.approx(1.0, rel=ROUNDING)
 
 
-def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it() -> None:
+def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it():
     points = [(0.5, 0.5, 0.3), (0.5, -0.5, 0.3), (-0.5, 0.0, 0.3)]
     text = rigid(feet(points) + wheel("P1") + wheel("P2"), head="upright = 180")
     motion = wheel_speeds(Posture(lutgen.parse_recipe(text), []), (1.0, -0.5), 1.0, (0.0, 0.0, 1.0))
@@ -258,7 +252,7 @@ def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it() -> None:
     assert motion.possible
 
 
-def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach() -> None:
+def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach():
     recipe = car()
     rng = np.random.default_rng(2)
     for _ in range(5):
@@ -266,7 +260,7 @@ def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach() -> None:
         motion = wheel_speeds(Posture(recipe, []), velocity, yaw_rate)
         assert not motion.possible
 
-        def rims(tried: Floats, velocity=velocity, yaw_rate=yaw_rate) -> Floats:  # type: ignore[no-untyped-def]
+        def rims(tried, velocity=velocity, yaw_rate=yaw_rate):
             rests = []
             for i, (x, y) in enumerate([(0.9, 0.4), (0.9, -0.4), (-0.6, 0.4), (-0.6, -0.4)]):
                 angle = tried[4 + i] if i < 2 else 0.0
@@ -281,7 +275,7 @@ def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach() -> None:
         assert math.hypot(*(w.slip or 0.0 for w in motion.wheels)) == pytest.approx(motion.slip)
 
 
-def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
+def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do():
     recipe = car()
     size = math.hypot(0.9, 0.4)  # the farthest wheel
     rng = np.random.default_rng(3)
@@ -290,7 +284,7 @@ def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
         motion = wheel_speeds(Posture(recipe, []), (vx, vy), yaw_rate)
 
         # A car drives v and turns w about its rear axle, 0.6 behind the com.
-        def distance(tried: Floats, asked=(vx, vy, yaw_rate)) -> list[float]:  # type: ignore[no-untyped-def]
+        def distance(tried, asked=(vx, vy, yaw_rate)):
             v, w = tried
             return [v - asked[0], 0.6 * w - asked[1], size * (w - asked[2])]
 
@@ -302,7 +296,7 @@ def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
         assert again.nearest_velocity == motion.nearest_velocity
 
 
-def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not() -> None:
+def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not():
     # Turning about the right rear wheel at 1/3 rad/s: v = 0.4 / 3, and 0.6 / 3 sideways.
     assert wheel_speeds(Posture(car(), []), (0.133333, 0.2), 0.333333).possible
     found = wheel_speeds(Posture(car(), []), (0.1333, 0.2), 0.3333)
@@ -310,7 +304,7 @@ def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not() -
     assert found.slip == pytest.approx(2e-5 * math.sqrt(2.0), rel=1e-9)
 
 
-def test_what_cannot_be_computed_is_refused_with_the_way_out() -> None:
+def test_what_cannot_be_computed_is_refused_with_the_way_out():
     with pytest.raises(InputError, match=r"robot.toml: .*no wheels .*; add one for each contact"):
         wheel_speeds(Posture(robot(SQUARE, ""), []), (1.0, 0.0), 0.0)
     standing = robot(SQUARE, wheel("P2", (0, 0, 1)))

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -15,19 +14,18 @@ from lutgen.errors import InputError
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
-Floats = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 # A product of two rotations of unit vectors.
 ROUNDING = 1e-14
 
 
-def test_gravity_fixed_in_the_body_is_the_same_in_every_posture() -> None:
+def test_gravity_fixed_in_the_body_is_the_same_in_every_posture():
     recipe = lutgen.load_recipe(MAPS / "paper_one.toml")
     down = body_gravity(recipe, [[0.1], [0.8]], [0.3, 0.0, -0.4], "body")
     assert down == pytest.approx(np.array([[0.6, 0.0, -0.8]] * 2), abs=ROUNDING)
 
 
-def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet() -> None:
+def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet():
     recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
     params = np.radians(np.random.default_rng(2).uniform(0.0, 50.0, (40, 2)))
     down = body_gravity(recipe, params, [0, 0, -1], "plane")
@@ -42,7 +40,7 @@ def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet() ->
     assert sdg == pytest.approx(np.linalg.norm(contacts.mean(axis=1) - centre, axis=1), abs=1e-12)
 
 
-def settled(points: Floats, gravity: Floats) -> Floats:
+def settled(points, gravity):
     """Return gravity in the body for a robot of points, the slow way: SciPy's hull and Rodrigues.
 
     Of the facets below the com on which it stands when they lie on the plane, the flattest.
@@ -71,7 +69,7 @@ def settled(points: Floats, gravity: Floats) -> Floats:
     return nearest if best is None else best
 
 
-def test_robots_with_several_facets_settle_as_a_slow_hull_says() -> None:
+def test_robots_with_several_facets_settle_as_a_slow_hull_says():
     random = np.random.default_rng(11)
     tips = stands = 0
     for _ in range(200):
@@ -89,7 +87,7 @@ def test_robots_with_several_facets_settle_as_a_slow_hull_says() -> None:
     assert stands > 40
 
 
-def test_wrong_words_and_shapes_are_refused() -> None:
+def test_wrong_words_and_shapes_are_refused():
     recipe = lutgen.parse_recipe(tripod())
     with pytest.raises(InputError, match="unknown convention 'P'; choose from body, plane"):
         body_gravity(recipe, [[0.1, 0.1]], [0, 0, -1], "P")

@@ -13,7 +13,7 @@ import lutgen
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.support import acceptance
 from tests.fixtures.length import part
-from tests.oracles.primitives import Floats, unit
+from tests.oracles.primitives import unit
 from tests.oracles.standing import Standing
 from tests.support.postures import FAMILIES, asked, drawn, limits_of
 
@@ -23,17 +23,17 @@ BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -
 WAY = np.linspace(0.0, 1.0, 401)[:, None]
 
 
-def energy(contacts: Floats, g: Floats, *limits: float | None) -> Floats:
+def energy(contacts, g, *limits):
     """Return the energy margin (g,) of point contacts."""
     return lutgen.stability(contacts, g, ("energy_margin",), *limits)["energy_margin"][0]
 
 
-def risen(points: Floats, g: Floats) -> Floats:
+def risen(points, g):
     """Return how far the com rises until it is balanced on points (m, 3): |p| - p . g."""
     return np.asarray(np.sqrt((points**2).sum(-1)) - points @ g)
 
 
-def turned_over(start: Floats, stop: Floats, g: Floats) -> float:
+def turned_over(start, stop, g):
     """Return the greatest rise of the com while the robot turns about an axis, step by step."""
     axis = unit(stop - start)
     sense = math.copysign(1.0, float(np.cross(axis, -start) @ -g))
@@ -44,7 +44,7 @@ def turned_over(start: Floats, stop: Floats, g: Floats) -> float:
     return float(heights.max() - heights[0])
 
 
-def of_standing(standing: Standing, g: Floats, seat: int) -> float:
+def of_standing(standing, g, seat):
     """Return the energy margin of a robot on a rest, by trying every place of every edge."""
     rests, least = standing.rests, math.inf
     group = rests[seat].group
@@ -76,7 +76,7 @@ def of_standing(standing: Standing, g: Floats, seat: int) -> float:
     return least
 
 
-def test_that_of_a_box_is_worked_by_hand() -> None:
+def test_that_of_a_box_is_worked_by_hand():
     # Over the long side at 0.3: sqrt(0.3^2 + 0.5^2) - 0.5; leaned to it by 20 deg, less.
     assert energy(BOX, LEVEL).item() == pytest.approx(math.hypot(0.3, 0.5) - 0.5, abs=1e-12)
     lean = math.radians(20.0)
@@ -85,7 +85,7 @@ def test_that_of_a_box_is_worked_by_hand() -> None:
     assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
 
 
-def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step() -> None:
+def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step():
     rng = np.random.default_rng(1)
     for _ in range(12):
         feet = BOX + np.array([*rng.uniform(-0.2, 0.2, 2), 0.0])
@@ -95,15 +95,13 @@ def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step() -
         assert energy(feet, g[None]).item() == pytest.approx(min(rises), abs=1e-8)
 
 
-def keel(high: float) -> Floats:
+def keel(high):
     """Return feet below which two planes meet at x = 0; too wide to tip sideways."""
     places = ((0.5, high), (0.0, 0.0), (-0.4, high))
     return np.array([[x, y, z - 0.4] for x, z in places for y in (-5.0, 5.0)])
 
 
-def test_that_of_a_robot_with_two_rests_goes_over_the_keel_and_then_over_the_far_end_by_hand() -> (
-    None
-):
+def test_that_of_a_robot_with_two_rests_goes_over_the_keel_and_then_over_the_far_end_by_hand():
     # On the plane ahead: 0.05 / 0.5.  Over the front edge, or over the keel and the rear edge.
     high = 0.05
     ahead, behind = math.atan2(high, 0.5), math.atan2(high, 0.4)
@@ -125,7 +123,7 @@ def test_that_of_a_robot_with_two_rests_goes_over_the_keel_and_then_over_the_far
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(family: str) -> None:
+def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(family):
     rolled = 0
     for seed in range(part(8, 4)):
         rng = np.random.default_rng(seed)
@@ -147,9 +145,7 @@ def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(fa
     assert rolled > 5
 
 
-def test_outside_it_is_negative_and_a_body_without_an_edge_to_tip_over_has_an_infinite_one() -> (
-    None
-):
+def test_outside_it_is_negative_and_a_body_without_an_edge_to_tip_over_has_an_infinite_one():
     cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     assert np.isposinf(energy(cube, np.array([[0.0, 0.0, -1.0], [1.0, 2.0, 3.0]]))).all()
     # Where it may not lie on its sides, it rises over an edge of its base.

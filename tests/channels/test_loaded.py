@@ -1,11 +1,9 @@
 """Stability under forces and with an uncertain com: hand-worked, by brute force, by balance."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
@@ -14,27 +12,24 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
 from lutgen.channels.resting import body_gravity
 from lutgen.quantities import CHANNELS
-from lutgen.recipe.recipe import Recipe
 from tests.fixtures.pulled import BOX, FREE, LEVEL, WEIGHT, pull, robot
 from tests.fixtures.recipes import contact, feet
 
-Floats = NDArray[np.float64]
 
-
-def read(recipe: Recipe, gravity: Any, *channels: str) -> Floats:
+def read(recipe, gravity, *channels):
     """Return the first channel asked for, tip_angle by default, in each direction."""
     names = channels or ("tip_angle",)
     return lutgen.evaluate(recipe, np.zeros((1, 0)), gravity, names)[names[0]][0]
 
 
-def directions(rng: np.random.Generator, count: int) -> Floats:
+def directions(rng, count):
     """Return unit vectors that mostly point down."""
     g = rng.normal(size=(count, 3)) * [0.6, 0.6, 1.0]
     g[:, 2] = -np.abs(g[:, 2])
     return np.asarray(g / np.linalg.norm(g, axis=1)[:, None])
 
 
-def around(rng: np.random.Generator, g: Floats, angle: Any, count: int) -> Floats:
+def around(rng, g, angle, count):
     """Directions at an angle from g, every way round."""
     across = rng.normal(size=(count, 3))
     across -= (across @ g)[:, None] * g
@@ -43,7 +38,7 @@ def around(rng: np.random.Generator, g: Floats, angle: Any, count: int) -> Float
     return np.asarray(np.cos(angle) * g + np.sin(angle) * across)
 
 
-def cloud(rng: np.random.Generator, kind: str) -> str:
+def cloud(rng, kind):
     """Contacts strewn below the com."""
     places = rng.normal(size=(rng.integers(4, 8), 3)) * [0.5, 0.4, 0.1] + [0, 0, -0.45]
     if kind == "points":
@@ -55,7 +50,7 @@ def cloud(rng: np.random.Generator, kind: str) -> str:
     )
 
 
-def test_the_loaded_kernel_with_next_to_no_load_says_what_the_plain_one_does() -> None:
+def test_the_loaded_kernel_with_next_to_no_load_says_what_the_plain_one_does():
     rng = np.random.default_rng(2)
     for kind, head in (("points", FREE), ("discs", "rock_angle = 40.0"), ("spheres", "")):
         for _ in range(8):
@@ -73,7 +68,7 @@ def test_the_loaded_kernel_with_next_to_no_load_says_what_the_plain_one_does() -
                     )
 
 
-def test_a_drawbar_tips_a_box_where_the_lever_rule_says() -> None:
+def test_a_drawbar_tips_a_box_where_the_lever_rule_says():
     # About the rear edge: W (a cos t - h sin t) = P z at the tilt t, nose up.
     force, height, half, high = 30.0, 0.3, 0.4, 0.5
     box = robot(feet(BOX), pull((-force, 0, 0), (-0.4, 0, height - high)))
@@ -105,10 +100,10 @@ def test_a_drawbar_tips_a_box_where_the_lever_rule_says() -> None:
         ("spheres", "", 1.0),
     ],
 )
-def test_no_direction_nearer_than_the_tip_angle_tips(kind: str, head: str, moment: float) -> None:
+def test_no_direction_nearer_than_the_tip_angle_tips(kind, head, moment):
     rng = np.random.default_rng(5)
     tight = looked = 0
-    for _ in range(6):
+    for _ in range(4):
         contacts = cloud(rng, kind)
         force = pull(
             rng.normal(size=3) * 0.2 * WEIGHT,
@@ -136,7 +131,7 @@ def test_no_direction_nearer_than_the_tip_angle_tips(kind: str, head: str, momen
         assert tight == looked > 20
 
 
-def balanced(points: Floats, normal: Floats, resultant: Floats, moment: Floats) -> bool:
+def balanced(points, normal, resultant, moment):
     """Whether pushing normal forces and any friction balance a wrench about the com."""
     columns = []
     frame = np.linalg.svd(normal[None])[2]
@@ -151,7 +146,7 @@ def balanced(points: Floats, normal: Floats, resultant: Floats, moment: Floats) 
     return bool(found.status == 0)
 
 
-def test_the_verdict_is_that_of_a_linear_programme_for_the_contact_forces() -> None:
+def test_the_verdict_is_that_of_a_linear_programme_for_the_contact_forces():
     rng = np.random.default_rng(6)
     seen = set()
     for case in range(24):
@@ -163,7 +158,7 @@ def test_the_verdict_is_that_of_a_linear_programme_for_the_contact_forces() -> N
         force, place = rng.normal(size=3) * 0.2, rng.normal(size=3) * (0.3 if flat else 0.0)
         twist = rng.normal(size=3) * (0.03 if flat else 0.0)
         loaded = robot(feet(points.tolist()), pull(force * WEIGHT, place, twist * WEIGHT))
-        faces: list[tuple[Floats, Floats]] = []
+        faces = []
         if flat:
             normal = np.array([0.1, -0.2, -1.0])
             faces.append((points, normal / np.linalg.norm(normal)))
@@ -183,7 +178,7 @@ def test_the_verdict_is_that_of_a_linear_programme_for_the_contact_forces() -> N
     assert seen == {True, False}
 
 
-def worst(contacts: str, g: Floats, rho: float, head: str, count: int, force: str = "") -> Floats:
+def worst(contacts, g, rho, head, count, force=""):
     """Return the least tip angle over coms on the sphere of radius rho, by the plain kernel."""
     rng = np.random.default_rng(8)
     places = rng.normal(size=(count, 3))
@@ -192,7 +187,7 @@ def worst(contacts: str, g: Floats, rho: float, head: str, count: int, force: st
     return np.asarray(np.min(readings, axis=0))
 
 
-def test_the_planes_of_a_box_turn_inward_by_the_angle_of_the_ball() -> None:
+def test_the_planes_of_a_box_turn_inward_by_the_angle_of_the_ball():
     box = robot(feet(BOX), rho=0.05)
     side = math.atan2(0.3, 0.5) - math.asin(0.05 / math.hypot(0.3, 0.5))
     assert read(box, LEVEL)[0] == pytest.approx(side, abs=1e-12)
@@ -212,7 +207,7 @@ def test_the_planes_of_a_box_turn_inward_by_the_angle_of_the_ball() -> None:
         ("spheres", ""),
     ],
 )
-def test_of_any_region_it_is_never_above_the_least_and_close_to_it(kind: str, head: str) -> None:
+def test_of_any_region_it_is_never_above_the_least_and_close_to_it(kind, head):
     rng = np.random.default_rng(10)
     for _ in range(4):
         contacts, rho, g = cloud(rng, kind), rng.uniform(0.01, 0.06), directions(rng, 40)
@@ -227,7 +222,7 @@ def test_of_any_region_it_is_never_above_the_least_and_close_to_it(kind: str, he
 @pytest.mark.parametrize(
     ("kind", "head"), [("points", FREE), ("points", "rock_angle = 15.0"), ("discs", "")]
 )
-def test_with_a_force_too_it_is_never_above_the_least_over_all_coms(kind: str, head: str) -> None:
+def test_with_a_force_too_it_is_never_above_the_least_over_all_coms(kind, head):
     rng = np.random.default_rng(13)
     short = []
     for _ in range(4):
@@ -244,7 +239,7 @@ def test_with_a_force_too_it_is_never_above_the_least_over_all_coms(kind: str, h
     assert np.median(short) < math.radians(1.5)
 
 
-def test_the_signs_of_all_channels_agree_under_any_load() -> None:
+def test_the_signs_of_all_channels_agree_under_any_load():
     rng = np.random.default_rng(11)
     for kind, head in (("points", FREE), ("discs", "rock_angle = 40.0"), ("spheres", "")):
         for rho in (0.0, 0.02):
@@ -259,7 +254,7 @@ def test_the_signs_of_all_channels_agree_under_any_load() -> None:
             assert np.isnan(got["energy_margin"]).all()
 
 
-def test_a_wheel_pressed_down_decides_on_which_facet_the_robot_rests() -> None:
+def test_a_wheel_pressed_down_decides_on_which_facet_the_robot_rests():
     # A roof: level feet at x = +-1 and a ridge at x = 0 below them.
     roof = [(1, 1, -0.9), (1, -1, -0.9), (0, 1, -1), (0, -1, -1), (-1, 1, -0.9), (-1, -1, -0.9)]
     ground = [0.0, 0.0, -1.0]

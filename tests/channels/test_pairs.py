@@ -15,7 +15,7 @@ from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
 
 @pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "discs with gaps"])
-def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text: str) -> None:
+def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text):
     recipe = lutgen.parse_recipe(text)
     random = np.random.default_rng(1)
     low = np.array([p.minimum for p in recipe.parameters])
@@ -31,7 +31,7 @@ def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text: str) 
         np.testing.assert_array_equal(pairs[name], np.diagonal(crossed[name]), err_msg=name)
 
 
-def test_each_posture_may_have_several_directions_of_its_own() -> None:
+def test_each_posture_may_have_several_directions_of_its_own():
     recipe = lutgen.parse_recipe(tripod())
     random = np.random.default_rng(2)
     params = random.uniform([0.0, -0.5], [0.6, 0.8], (5, 2))
@@ -46,7 +46,7 @@ def test_each_posture_may_have_several_directions_of_its_own() -> None:
             evaluate_each(recipe, params, np.ones(shape))
 
 
-def test_directions_that_are_not_one_per_posture_are_refused() -> None:
+def test_directions_that_are_not_one_per_posture_are_refused():
     recipe = lutgen.parse_recipe(tripod())
     with pytest.raises(InputError, match=r"for each of 2 postures \(got the shape \(1, 3\)\)"):
         evaluate_each(recipe, [[0.2, 0.1], [0.3, 0.1]], [[0, 0, -1]])
@@ -54,7 +54,7 @@ def test_directions_that_are_not_one_per_posture_are_refused() -> None:
         evaluate_each(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))
 
 
-def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
+def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads():
     recipe = moving()
     params = recipe.grid.params(np.arange(recipe.grid.size))
     g = recipe.chart.directions().reshape(-1, 3)

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.channels.exact import Setting, wanted_channels
@@ -30,7 +29,7 @@ CHARTS = {
 class Robots:
     """Postures (m, n, ...) of one kind of robot, as `measure_primitives` takes them."""
 
-    def __init__(self, centre: NDArray[np.float64], radius: float = 0.0, kind: int = 0) -> None:
+    def __init__(self, centre, radius=0.0, kind=0):
         m, n = centre.shape[:2]
         self.centre = centre
         self.axis = np.zeros((m, n, 3))
@@ -40,7 +39,7 @@ class Robots:
             self.axis[:] = (0.0, 1.0, 0.0)
 
 
-def random_feet(seed: int, m: int, n: int) -> Robots:
+def random_feet(seed, m, n):
     """Feet around and below the com, some of them above it."""
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(m, n, 3)) * [1.0, 0.8, 0.4]
@@ -48,7 +47,7 @@ def random_feet(seed: int, m: int, n: int) -> Robots:
     return Robots(points)
 
 
-def random_wheels(seed: int, m: int, n: int) -> Robots:
+def random_wheels(seed, m, n):
     """Discs on parallel axles, roughly on one plane: their facets have gaps between them."""
     rng = np.random.default_rng(seed)
     points = rng.uniform(-1.0, 1.0, size=(m, n, 3))
@@ -56,15 +55,7 @@ def random_wheels(seed: int, m: int, n: int) -> Robots:
     return Robots(points, 0.3, 2)
 
 
-def rows(
-    robots: Robots,
-    chart: Chart,
-    bounds: tuple[float | None, float | None] = (None, None),
-    channels: tuple[str, ...] = FAST,
-    parts: int = 3,
-    first: int = 0,
-    last: int | None = None,
-) -> dict[str, NDArray[np.float32]]:
+def rows(robots, chart, bounds=(None, None), channels=FAST, parts=3, first=0, last=None):
     """Scan rows [first, last) of every posture; return (m, rows, nodes) per channel."""
     stop = chart.faces * chart.nodes if last is None else last
     m = len(robots.centre)
@@ -81,12 +72,7 @@ def rows(
     return {name: out[CHANNELS.index(name)].reshape(shape) for name in channels}
 
 
-def exact(
-    robots: Robots,
-    chart: Chart,
-    bounds: tuple[float | None, float | None],
-    channels: tuple[str, ...] = FAST,
-) -> dict[str, NDArray[np.float64]]:
+def exact(robots, chart, bounds, channels=FAST):
     """Return what `measure_primitives` says, in the same shape."""
     primitives = pack(robots.centre, robots.axis, robots.radius, robots.kind)
     got = measure_primitives(
@@ -96,9 +82,7 @@ def exact(
     return {name: value.reshape(shape) for name, value in got.items()}
 
 
-def assert_equal_within_float32(
-    got: dict[str, NDArray[np.float32]], want: dict[str, NDArray[np.float64]]
-) -> None:
+def assert_equal_within_float32(got, want):
     """Compare every node that is not within rounding of a tip-over axis."""
     # Both paths place a boundary to about 1e-15 rad; nearer than 1e-9 either verdict is right.
     clear = np.abs(want["tip_angle"]) > 1e-9
@@ -111,7 +95,7 @@ def assert_equal_within_float32(
         )
 
 
-def assert_one_verdict(got: dict[str, NDArray[np.float32]]) -> None:
+def assert_one_verdict(got):
     """All fast channels must agree at every node, at the boundary too."""
     tips = got["tip_angle"] < 0.0
     np.testing.assert_array_equal(np.isnan(got["sdg"]), tips)
@@ -123,9 +107,7 @@ def assert_one_verdict(got: dict[str, NDArray[np.float32]]) -> None:
 
 @pytest.mark.parametrize("bounds", LIMITS.values(), ids=LIMITS)
 @pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
-def test_rows_of_random_feet_equal_the_exact_channels_within_float32(
-    chart: Chart, bounds: tuple[float | None, float | None]
-) -> None:
+def test_rows_of_random_feet_equal_the_exact_channels_within_float32(chart, bounds):
     for n in range(3, 9):
         robots = random_feet(100 + n, 12, n)
         got = rows(robots, chart, bounds)
@@ -138,9 +120,7 @@ def test_rows_of_random_feet_equal_the_exact_channels_within_float32(
 
 @pytest.mark.parametrize("bounds", LIMITS.values(), ids=LIMITS)
 @pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
-def test_rows_of_wheels_with_gaps_equal_the_exact_channels_within_float32(
-    chart: Chart, bounds: tuple[float | None, float | None]
-) -> None:
+def test_rows_of_wheels_with_gaps_equal_the_exact_channels_within_float32(chart, bounds):
     for n in (3, 4, 6):
         robots = random_wheels(200 + n, 6, n)
         got = rows(robots, chart, bounds)
@@ -148,7 +128,7 @@ def test_rows_of_wheels_with_gaps_equal_the_exact_channels_within_float32(
         assert_one_verdict(got)
 
 
-def test_rows_with_margins_equal_the_exact_channels_within_float32() -> None:
+def test_rows_with_margins_equal_the_exact_channels_within_float32():
     for n in (3, 5):
         robots = random_feet(300 + n, 6, n)
         chart, bounds = CHARTS["cone"], LIMITS["default"]
@@ -167,7 +147,7 @@ CLOSED = {"cube": CUBE, "octahedron": OCTAHEDRON, "tetrahedron": TETRAHEDRON, "p
 
 
 @pytest.mark.parametrize("solid", CLOSED.values(), ids=CLOSED)
-def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[int]]) -> None:
+def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid):
     # The edges of these solids run through nodes: u = 0, u = v, and the seams u = 1.  Scaled by
     # thirds the planes are not exact any more, and rounding decides.
     for factor in (1.0, 1.0 / 3.0, 0.1):
@@ -181,7 +161,7 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[in
 
 
 @pytest.mark.parametrize("chart", [Chart("cone", 3), Chart("cone", 40), Chart("sphere", 4)])
-def test_values_do_not_depend_on_where_a_postures_rows_are_split(chart: Chart) -> None:
+def test_values_do_not_depend_on_where_a_postures_rows_are_split(chart):
     total = chart.faces * chart.nodes
     for robots in (random_feet(7, 1, 6), random_wheels(8, 1, 4)):
         whole = rows(robots, chart, LIMITS["default"])

@@ -16,12 +16,12 @@ NAMES = [line.split('"')[1] for line in feet(CORNERS).splitlines() if line.start
 GROUPS = f'[[robot.group]]\nname = "front"\ncontacts = ["{NAMES[0]}", "{NAMES[1]}"]\n'
 
 
-def share(text: str, gravity: list[float], params: list[float] | None = None) -> float:
+def share(text, gravity, params=None):
     found = lutgen.evaluate(lutgen.parse_recipe(text), [params or []], [gravity], ("least_share",))
     return float(found["least_share"][0, 0])
 
 
-def test_shares_balance_and_are_those_of_springs_that_push_in_proportion_to_their_length() -> None:
+def test_shares_balance_and_are_those_of_springs_that_push_in_proportion_to_their_length():
     rng = np.random.default_rng(5)
     for _ in range(500):
         n = int(rng.integers(3, 12))
@@ -39,7 +39,7 @@ def test_shares_balance_and_are_those_of_springs_that_push_in_proportion_to_thei
             assert np.maximum(springs @ plane, 0.0) == pytest.approx(shares, abs=1e-5)
 
 
-def test_three_contacts_carry_what_balance_fixes_and_groups_add_up() -> None:
+def test_three_contacts_carry_what_balance_fixes_and_groups_add_up():
     tripod = rigid(feet([CORNERS[0], CORNERS[1], [-X, 0.0, -Z]]))
     # D_g moves by Z tan(tilt) towards the single foot, which carries the rest of both others.
     slope = 0.5
@@ -55,7 +55,7 @@ def test_three_contacts_carry_what_balance_fixes_and_groups_add_up() -> None:
     assert share(rocker(), [0, 0, -1]) == 0.0
 
 
-def test_a_sweep_has_the_shares_that_are_evaluated(tmp_path: object) -> None:
+def test_a_sweep_has_the_shares_that_are_evaluated(tmp_path):
     recipe = lutgen.parse_recipe(
         rigid(feet(CORNERS) + GROUPS, nodes=9, max_tilt=60.0, channels=("least_share",))
     )
@@ -68,7 +68,7 @@ def test_a_sweep_has_the_shares_that_are_evaluated(tmp_path: object) -> None:
     assert swept == pytest.approx(exact, abs=1e-6, nan_ok=True)
 
 
-def test_a_group_keeps_its_share_up_to_the_tilt_that_balance_gives() -> None:
+def test_a_group_keeps_its_share_up_to_the_tilt_that_balance_gives():
     posture = Posture(lutgen.parse_recipe(rigid(feet(CORNERS) + GROUPS)), [])
     headings = np.array([math.pi, 0.0])
     up, down = share_limits(posture, "front", 0.2, headings)

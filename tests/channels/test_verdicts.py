@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
@@ -24,45 +23,41 @@ LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
 TIP = CHANNELS.index("tip_angle")
 
 
-def in_steps(low: float, high: float, size: tuple[int, ...], rng: np.random.Generator) -> NDArray:
+def in_steps(low, high, size, rng):
     """Return numbers in steps of 5 cm, as people give positions of feet."""
     return np.round(rng.uniform(low, high, size) / 0.05) * 0.05
 
 
-def rectangles(count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def rectangles(count, rng):
     x, y = in_steps(-0.6, 0.6, (2, count, 2), rng)
     return np.stack([np.stack([x[:, i], y[:, j]], -1) for i in (0, 1) for j in (0, 1)], 1)
 
 
-def polygons(count: int, corners: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def polygons(count, corners, rng):
     turn = np.arange(corners) * 2.0 * np.pi / corners
     ring = np.stack([np.cos(turn), np.sin(turn)], -1)
     return rng.uniform(0.1, 1.0, (count, 1, 1)) * ring + in_steps(-0.2, 0.2, (count, 1, 2), rng)
 
 
-def two_rows(count: int, length: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def two_rows(count, length, rng):
     x, y = in_steps(-0.6, 0.6, (count, length), rng), in_steps(0.05, 0.6, (count, 1), rng)
     sides = [np.stack([x, np.broadcast_to(side, x.shape)], -1) for side in (y, -y)]
     return np.concatenate(sides, 1)
 
 
-def on_node_lines(count: int, chart: Chart, rng: np.random.Generator) -> NDArray[np.float64]:
+def on_node_lines(count, chart, rng):
     """Return rectangles at z = -1 whose sides are rows and columns of nodes."""
     x, y = np.sort(rng.permuted(np.tile(chart.coords, (2, count, 1)), axis=2)[..., :2])
     return np.stack([np.stack([x[:, i], y[:, j]], -1) for i in (0, 1) for j in (0, 1)], 1)
 
 
-def on_level_ground(
-    corners: NDArray[np.float64], height: NDArray[np.float64], rng: np.random.Generator
-) -> NDArray[np.float64]:
+def on_level_ground(corners, height, rng):
     """Return points (m, n, 3) that far below the com, each robot's in an order of chance."""
     points = np.concatenate([corners, np.broadcast_to(-height, (*corners.shape[:2], 1))], -1)
     return np.stack([rng.permutation(robot) for robot in points])
 
 
-def tips_of_rows_and_exact(
-    points: NDArray[np.float64], chart: Chart, limits: tuple[float | None, float | None]
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+def tips_of_rows_and_exact(points, chart, limits):
     """Return whether each node tips by the rows of a sweep, and its exact tip angle."""
     m, n = points.shape[:2]
     primitives = pack(points, np.zeros((m, n, 3)), np.zeros(n), np.zeros(n, np.int64))
@@ -76,9 +71,7 @@ def tips_of_rows_and_exact(
 
 
 @pytest.mark.parametrize("limits", LIMITS.values(), ids=LIMITS)
-def test_10000_level_robots_in_any_order_of_contacts_have_the_exact_verdict_at_every_node(
-    limits: tuple[float | None, float | None],
-) -> None:
+def test_10000_level_robots_in_any_order_of_contacts_have_the_exact_verdict_at_every_node(limits):
     rng = np.random.default_rng(50)
     robots = on_axis = 0
     for nodes in (9, 17, 33):
@@ -104,7 +97,7 @@ def test_10000_level_robots_in_any_order_of_contacts_have_the_exact_verdict_at_e
 
 
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
-def test_every_node_of_a_gallery_map_has_the_exact_verdict(path: Path) -> None:
+def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
     recipe = lutgen.load_recipe(path)
     chart = recipe.chart
     params = recipe.grid.params(np.arange(recipe.grid.size))
@@ -126,9 +119,7 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path: Path) -> None:
     ],
     ids=["a table", "a statue of millimetres"],
 )
-def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(
-    x: tuple[float, float], y: float, height: float, nodes: int
-) -> None:
+def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(x, y, height, nodes):
     chart = Chart("cone", nodes, np.radians(60.0))
     feet = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
     tips, _ = tips_of_rows_and_exact(feet, chart, LIMITS["default"])
@@ -175,9 +166,7 @@ nodes = 9
     ],
     ids=["box", "arm"],
 )
-def test_a_map_says_that_a_robot_tips_as_its_recipe_does(
-    tmp_path: Path, text: str, posture: list[str], gravity: str, tip: float
-) -> None:
+def test_a_map_says_that_a_robot_tips_as_its_recipe_does(tmp_path, text, posture, gravity, tip):
     recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
     recipe.write_text(text)
     lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
@@ -191,7 +180,7 @@ EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
 
 
 @pytest.mark.parametrize("command", ["eval", "limits", "sweep"])
-def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path: Path, command: str) -> None:
+def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path, command):
     recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
     recipe.write_text(EDGE)
     if command == "limits":

@@ -19,7 +19,7 @@ COMMANDS = sorted(main.commands)
 AT = ("-p", "reach=0.3", "-p", "swing=10")
 WHEEL = '[[robot.wheel]]\ncontact = "front"\naxis = [0, 1, 0]\nradius = 0.1\n'
 # Every command that wants a recipe, and its options; a map has its file's name.
-RECIPES: dict[str, tuple[object, ...]] = {
+RECIPES = {
     "check": (),
     "sweep": ("-o",),
     "limits": AT,
@@ -29,7 +29,7 @@ RECIPES: dict[str, tuple[object, ...]] = {
     "path": (*AT, "--points", 4, "--no-control"),
 }
 # Commands that have a verdict on a robot, and their options.
-VERDICTS: dict[str, tuple[object, ...]] = {
+VERDICTS = {
     "eval": AT,
     "limits": AT,
     "optimum": (),
@@ -40,7 +40,7 @@ VERDICTS: dict[str, tuple[object, ...]] = {
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(tmp_path_factory):
     """Return a folder with a recipe, its map, and the map under a name without an ending."""
     folder = tmp_path_factory.mktemp("alike")
     text = tripod().replace("[sweep]", f"{WHEEL}\n[sweep]", 1)
@@ -54,9 +54,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("command", RECIPES)
-def test_a_map_given_for_a_recipe_answers_as_the_recipe_inside_it(
-    command: str, place: Path, tmp_path: Path
-) -> None:
+def test_a_map_given_for_a_recipe_answers_as_the_recipe_inside_it(command, place, tmp_path):
     answers = []
     for source in ("tripod.toml", "tripod.h5", "tripod"):
         arguments = [place / source, *RECIPES[command]]
@@ -70,7 +68,7 @@ def test_a_map_given_for_a_recipe_answers_as_the_recipe_inside_it(
     assert b"Error" not in answers[0]
 
 
-def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_path: Path) -> None:
+def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_path):
     code = (
         "import numpy as np\n"
         "FEET = np.array([[1.0, 1, -1], [-1, 1, -1], [-1, -1, -1], [1, -1, -1]])\n"
@@ -88,9 +86,7 @@ def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_pat
     assert allowed[0] == allowed[1]
 
 
-def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for command in (("check",), ("eval", "-p", "alpha=31"), ("sweep", "-o", "a.h5", "--force")):
         answers = []
@@ -105,8 +101,7 @@ def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(
 # exit codes and words
 
 
-def stance(com_x: float) -> str:
-    """Return four feet under a centre of mass."""
+def stance(com_x):
     feet = "".join(
         f"[[foot]]\nposition = [{x}, {y}, 0]\n" for x, y in ((1, 1), (1, -1), (-1, 1), (-1, -1))
     )
@@ -114,7 +109,7 @@ def stance(com_x: float) -> str:
 
 
 @pytest.fixture
-def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def robots(tmp_path, monkeypatch):
     """Return the working folder, with a robot that stands on level ground and one that tips."""
     monkeypatch.chdir(tmp_path)
     for name, com_x in (("stands", 0.02), ("tips", -3.0)):
@@ -126,9 +121,7 @@ def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("command", VERDICTS)
-def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(
-    command: str, robots: Path
-) -> None:
+def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(command, robots):
     for name, code in (("stands", 0), ("tips", 3)):
         source = f"{name}_stance.toml" if command == "stance" else f"{name}.toml"
         data(command, source, *VERDICTS[command], code=code)
@@ -141,21 +134,17 @@ def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(
         assert (words in tips) is (code == 3)
 
 
-def test_metrics_compare_with_level_ground_so_that_what_tips_there_is_bad_input(
-    robots: Path,
-) -> None:
+def test_metrics_compare_with_level_ground_so_that_what_tips_there_is_bad_input(robots):
     assert run("metrics", "tips.toml", *AT).exit_code == 2
 
 
-def test_a_robot_that_tips_has_no_wheels_to_speak_of_whether_or_not_they_slip(
-    robots: Path,
-) -> None:
+def test_a_robot_that_tips_has_no_wheels_to_speak_of_whether_or_not_they_slip(robots):
     # Sideways is what the wheel cannot do.
     for name, code in (("stands", 1), ("tips", 3)):
         assert run("wheels", f"{name}.toml", *AT, "--velocity", "0,1").exit_code == code
 
 
-def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path: Path) -> None:
+def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path):
     for name in ("odd", r"a\nb\u001b[31m"):
         path = tmp_path / "odd.toml"
         path.write_text(tripod().replace('name = "tripod"', f'name = "{name}"', 1))
@@ -168,7 +157,7 @@ def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_can_report_as_json_and_its_help_begins_with_an_example(name: str) -> None:
+def test_every_command_can_report_as_json_and_its_help_begins_with_an_example(name):
     flags = {flag for option in main.commands[name].params for flag in option.opts}
     # A schema is JSON without being asked.
     assert "--json" in flags or name == "schema"
@@ -178,9 +167,7 @@ def test_every_command_can_report_as_json_and_its_help_begins_with_an_example(na
     assert stdout(name, "--help") == stdout(name, "-h")
 
 
-def test_what_was_written_is_reported(
-    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_was_written_is_reported(place, tmp_path, monkeypatch):
     recipe, target = place / "tripod.toml", tmp_path / "map.h5"
     report = data("sweep", recipe, "-o", target)
     assert report.pop("seconds") > 0.0
@@ -214,7 +201,7 @@ def test_what_was_written_is_reported(
 # help and start-up
 
 
-def imported(*arguments: object) -> set[str]:
+def imported(*arguments):
     """Run a command in a process of its own; return the modules that it has imported."""
     code = (
         "import sys\nfrom lutgen.cli import main\n"
@@ -228,34 +215,30 @@ def imported(*arguments: object) -> set[str]:
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["eval", "--help"], ["export", "-h"]])
-def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+def test_help_imports_nothing_heavy(arguments):
     assert not imported(*arguments) & {"numpy", "numba", "matplotlib", "pydantic", "scipy"}
 
 
-def test_a_recipe_is_evaluated_without_what_only_maps_figures_and_compiling_need(
-    place: Path,
-) -> None:
+def test_a_recipe_is_evaluated_without_what_only_maps_figures_and_compiling_need(place):
     # The first may have to compile.
     good("eval", place / "tripod.toml", *AT)
     modules = imported("eval", place / "tripod.toml", *AT)
     assert not modules & {"h5py", "matplotlib", "scipy.linalg"}
 
 
-def test_the_command_offers_the_kinds_of_figures_that_there_are() -> None:
+def test_the_command_offers_the_kinds_of_figures_that_there_are():
     offered = next(p.type for p in main.commands["plot"].params if p.name == "kind")
     assert isinstance(offered, click.Choice)
     assert set(offered.choices) == set(KINDS)
     assert stdout("--version") == f"lutgen, version {lutgen.__version__}\n"
 
 
-def test_numbers_are_read_as_toml_reads_them(place: Path) -> None:
+def test_numbers_are_read_as_toml_reads_them(place):
     plain, parted = (run("eval", place / "tripod.toml", "-p", f"swing={x}") for x in ("10", "1_0"))
     assert plain.stdout == parted.stdout != ""
 
 
-def test_a_console_without_a_character_shows_its_number(
-    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_console_without_a_character_shows_its_number(place, tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONIOENCODING", "cp1252")
     text = (place / "tripod.toml").read_text(encoding="utf-8")
     path = tmp_path / "arrow.toml"

@@ -18,6 +18,7 @@ from lutgen.channels import evaluate_each
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures import commands
 from tests.fixtures.documents import blocks
+from tests.fixtures.fits import untried
 from tests.fixtures.needs import ROS
 from tests.fixtures.places import MAPS
 
@@ -27,10 +28,10 @@ budget, control = partial(commands.data, "budget"), partial(commands.data, "cont
 
 
 @pytest.fixture(scope="module")
-def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def firmware(tmp_path_factory):
     """Run the commands of the page, on a coarser lattice of postures; return the folder."""
     folder = tmp_path_factory.mktemp("page")
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, untried():
         patch.chdir(folder)
         patch.setattr("firmware_export.control.objective.POSTURES", 100)
         patch.setattr("firmware_export.exporter.POINTS", 500)
@@ -46,9 +47,7 @@ def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_simulation_3_driven_by_the_exported_c_tips_at_22_points_in_place_of_72(
-    firmware: Path,
-) -> None:
+def test_simulation_3_driven_by_the_exported_c_tips_at_22_points_in_place_of_72(firmware):
     found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL)
     assert [run["tips"] for run in found["runs"]] == [72, 22]
     assert (found["cycles"], found["late_by_cycles"], found["tips_only_with_control"]) == (
@@ -61,14 +60,14 @@ def test_simulation_3_driven_by_the_exported_c_tips_at_22_points_in_place_of_72(
     assert "22 with control" in page
 
 
-def test_the_page_writes_figures_and_a_table(firmware: Path) -> None:
+def test_the_page_writes_figures_and_a_table(firmware):
     assert (firmware / "ride.svg").read_bytes().startswith(b"<?xml")
     rows = list(csv.DictReader(io.StringIO((firmware / "budget.csv").read_text())))
     assert float(rows[0]["braking_m_s2"]) > 16.0
 
 
 @pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason=ROS)
-def test_the_node_compiles_where_ros_is(firmware: Path) -> None:
+def test_the_node_compiles_where_ros_is(firmware):
     folder, ros = firmware / "paper_firmware", Path("/opt/ros") / os.environ["ROS_DISTRO"]
     includes = [f"-I{path}" for path in sorted((ros / "include").iterdir())]
     flags = ["-std=c++17", "-fsyntax-only", f"-I{folder}", f"-I{ros}/include", *includes]
@@ -76,7 +75,7 @@ def test_the_node_compiles_where_ros_is(firmware: Path) -> None:
     subprocess.run(["c++", *flags, node], check=True)
 
 
-def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware: Path) -> None:
+def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware):
     folder = firmware / "paper_firmware"
     ideal = control(folder, "--turn", 30, *NOMINAL)["runs"][1]["tips"]
     late = control(folder, "--turn", 30, *NOMINAL, "--latency", 15)
@@ -88,18 +87,17 @@ def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware: Path) -
     assert ideal <= noisy["runs"][1]["tips"] < 30
 
 
-def test_at_a_speed_the_path_is_ridden_in_cycles_of_the_policy(firmware: Path) -> None:
+def test_at_a_speed_the_path_is_ridden_in_cycles_of_the_policy(firmware):
     found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL, "--speed", 0.1)
     assert found["cycles"] == math.floor(found_length() / 0.1) + 1
     assert found["runs"][1]["tips"] < found["runs"][0]["tips"]
 
 
-def found_length() -> float:
-    """Return the length of the paper's path."""
+def found_length():
     return float(commands.run("path", RECIPE, "--no-control").stdout.split("length ")[1].split()[0])
 
 
-def test_a_log_is_ridden_again_with_control(firmware: Path, tmp_path: Path) -> None:
+def test_a_log_is_ridden_again_with_control(firmware, tmp_path):
     log, cycles = tmp_path / "log.csv", 40
     tilt = np.radians(np.linspace(0.0, 60.0, cycles))
     ups = 9.81 * np.stack([np.zeros(cycles), -np.sin(tilt), np.cos(tilt)], axis=1)
@@ -124,7 +122,7 @@ def test_a_log_is_ridden_again_with_control(firmware: Path, tmp_path: Path) -> N
         assert said in refused.stderr
 
 
-def test_budgets_of_a_recipe_are_where_it_tips() -> None:
+def test_budgets_of_a_recipe_are_where_it_tips():
     recipe, rng = load_recipe(RECIPE), np.random.default_rng(1)
     low, high = (
         np.array([getattr(p, of) for p in recipe.parameters]) for of in ("minimum", "maximum")
@@ -136,7 +134,7 @@ def test_budgets_of_a_recipe_are_where_it_tips() -> None:
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     found = budgets(recipe, params, down, way)
 
-    def tips(acceleration: np.ndarray) -> np.ndarray:
+    def tips(acceleration):
         felt = down - way * (acceleration / 9.80665)[:, None]
         return np.asarray(evaluate_each(recipe, params, felt, ("tip_angle",))["tip_angle"] < 0.0)
 
@@ -149,7 +147,7 @@ def test_budgets_of_a_recipe_are_where_it_tips() -> None:
     assert turn_speed(8.0, 2.0) == pytest.approx(4.0)
 
 
-def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path: Path) -> None:
+def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path):
     table = tmp_path / "stops.csv"
     more = ("--slope", "0:10:10", "--headings", 4, "--force", "-o", table)
     low, high = (
@@ -165,7 +163,7 @@ def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path: Path) 
     assert budget(RECIPE)["budgets"][0]["stop_speed_m_s"] is None
 
 
-def test_the_c_says_nearly_the_exact_budget_and_never_more(firmware: Path) -> None:
+def test_the_c_says_nearly_the_exact_budget_and_never_more(firmware):
     more = ("--over", "alpha=0:40", "--steps", 4, "--slope", "0:20:10", "--heading", 90)
     exact, told = (budget(of, *more)["budgets"] for of in (RECIPE, firmware / "paper_firmware"))
     assert len(exact) == len(told) == 12
@@ -176,15 +174,13 @@ def test_the_c_says_nearly_the_exact_budget_and_never_more(firmware: Path) -> No
                 assert other[key] > 0.85 * one[key]
 
 
-def test_what_means_nothing_is_refused(firmware: Path) -> None:
+def test_what_means_nothing_is_refused(firmware):
     for option, value in (("--noise", "-1"), ("--speed", "0"), ("--rate", "alpha=0")):
         result = commands.run("control", firmware / "paper_firmware", option, value)
         assert (result.exit_code, option in result.stderr) == (2, True)
 
 
-def test_an_export_without_a_policy_and_a_damaged_one_are_refused(
-    firmware: Path, tmp_path: Path
-) -> None:
+def test_an_export_without_a_policy_and_a_damaged_one_are_refused(firmware, tmp_path):
     for change, said in ((None, "without a policy"), ({"blob": "AAAA"}, "damaged")):
         folder = tmp_path / str(said)
         shutil.copytree(firmware / "paper_firmware", folder)

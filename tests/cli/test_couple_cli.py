@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,7 +16,7 @@ HIPS = ["FL_hip_joint", "FR_hip_joint", "RL_hip_joint", "RR_hip_joint"]
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with the quadruped, made the working folder."""
     for name in ("quadruped.urdf", "quadruped.srdf"):
         shutil.copy(VECTORS / name, tmp_path / name)
@@ -25,11 +24,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def imported(*arguments: str) -> dict[str, Any]:
+def imported(*arguments):
     return data("import", "quadruped.urdf", "-o", "q.toml", "--force", *arguments)
 
 
-def test_more_than_ten_joints_are_coupled_and_the_import_says_so() -> None:
+def test_more_than_ten_joints_are_coupled_and_the_import_says_so():
     said = printed("import", "quadruped.urdf", "-o", "q.toml", "--force")
     assert "parameters (3): hip thigh knee" in said
     assert "chosen, as 12 joints move contacts or com (or choose with --couple or --joint)" in said
@@ -41,7 +40,7 @@ def test_more_than_ten_joints_are_coupled_and_the_import_says_so() -> None:
     assert "stands" in printed("eval", "q.toml", "-g", "0,0,-1")
 
 
-def test_the_recipe_says_which_joints_a_parameter_drives_and_why() -> None:
+def test_the_recipe_says_which_joints_a_parameter_drives_and_why():
     good("import", "quadruped.urdf", "-o", "q.toml", "--force")
     text = Path("q.toml").read_text(encoding="utf-8")
     before, _, _ = text.partition('name = "hip"')
@@ -51,7 +50,7 @@ def test_the_recipe_says_which_joints_a_parameter_drives_and_why() -> None:
     assert max(map(len, text.splitlines())) <= 110
 
 
-def test_ten_joints_or_fewer_stay_independent() -> None:
+def test_ten_joints_or_fewer_stay_independent():
     text = Path("quadruped.urdf").read_text(encoding="utf-8")
     for name in HIPS:
         text = text.replace(f'name="{name}" type="revolute"', f'name="{name}" type="fixed"')
@@ -63,7 +62,7 @@ def test_ten_joints_or_fewer_stay_independent() -> None:
     assert [*imported("--couple", "auto")["coupled"]] == ["thigh", "knee"]
 
 
-def test_joints_signs_and_factors_are_taken_as_written() -> None:
+def test_joints_signs_and_factors_are_taken_as_written():
     report = imported(
         "--couple", "front=FL_hip_joint,-FR_hip_joint,0.5*RL_hip_joint,-2*RR_hip_joint"
     )
@@ -77,7 +76,7 @@ def test_joints_signs_and_factors_are_taken_as_written() -> None:
     assert scales == {1.0, -1.0, 0.5, -2.0}
 
 
-def test_the_standing_posture_is_that_of_home_whatever_is_coupled() -> None:
+def test_the_standing_posture_is_that_of_home_whatever_is_coupled():
     bent = ("-p", "FL_thigh_joint=10", "-p", "RR_thigh_joint=50")
     imported("-j", "FL_hip_joint", *bent)
     held = lutgen.load_recipe("q.toml")
@@ -90,7 +89,7 @@ def test_the_standing_posture_is_that_of_home_whatever_is_coupled() -> None:
     assert one.com == pytest.approx(two.com, abs=1e-12)
 
 
-def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written() -> None:
+def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written():
     report = imported("--couple", "hips=*_hip_joint", "--couple", "knees=knees")
     assert report["coupled"]["hips"] == dict(zip(HIPS, [1.0, -1.0, 1.0, -1.0], strict=True))
     assert set(report["coupled"]["knees"].values()) == {1.0}
@@ -100,7 +99,7 @@ def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written() -> N
     assert report["coupled"]["hips"] == {HIPS[0]: -1.0, HIPS[2]: -1.0, HIPS[3]: 1.0}
 
 
-def test_of_a_group_alone_a_grouping_is_proposed_and_the_rest_is_held() -> None:
+def test_of_a_group_alone_a_grouping_is_proposed_and_the_rest_is_held():
     report = imported("--couple", "front_legs")
     assert {name: len(joints) for name, joints in report["coupled"].items()} == {
         "hip": 2,
@@ -110,7 +109,7 @@ def test_of_a_group_alone_a_grouping_is_proposed_and_the_rest_is_held() -> None:
     assert any(text.startswith("joints RL_hip_joint") for text in report["left_out"])
 
 
-def test_named_ones_independent_ones_and_proposals_go_together() -> None:
+def test_named_ones_independent_ones_and_proposals_go_together():
     report = imported(
         "-j", "FL_knee_joint", "--couple", "hips=FL_hip_joint,-FR_hip_joint", "--couple", "auto"
     )
@@ -120,7 +119,7 @@ def test_named_ones_independent_ones_and_proposals_go_together() -> None:
     assert [*report["coupled"]["hip"]] == ["RL_hip_joint", "RR_hip_joint"]
 
 
-def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
+def test_where_even_groups_are_too_many_the_greatest_are_parameters():
     # Eight joints on each side of a row, heavier from one to the next: 16 joints in 8 pairs.
     foot = "".join(
         collision('sphere radius="0.05"', f"{x} {y} -0.5") for x in (1, -1) for y in (1, -1)

@@ -1,7 +1,6 @@
 """`lutgen eval` of a recipe and of a map: what it prints, in which units, and its exit codes."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -20,7 +19,7 @@ PULL += "force = [49.03325, 0, 0]\n"
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(tmp_path_factory):
     """Return a folder with recipes and maps, which no test changes."""
     folder = tmp_path_factory.mktemp("eval")
     for name, text in {
@@ -37,24 +36,14 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_recipe_gives_every_channel_the_axis_and_the_forces_in_columns(place: Path) -> None:
-    result = good("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
-    head, *lines = result.stdout.splitlines()
-    assert (head, result.stderr) == ("tripod (exact): stands", "")
-    forces = lines.index("normal forces, shares of their sum (exact):")
-    names = [line.split("  ")[0] for line in lines[:forces]]
-    assert names == ["status", *ALL_CHANNELS[:-1], "slope", "slides first", "least stable"]
-    # Every value begins in one column, and so do the forces.
-    for rows in (lines[:forces], lines[forces + 1 :]):
-        starts = {len(line) - len(line.lstrip().partition("  ")[2].lstrip()) for line in rows}
-        assert len(starts) == 1
+def test_of_what_tips_over_no_forces_are_told(place):
     tips = run("eval", place / "tripod.toml", *POINT, "-g", "-1,0,-0.1")
     assert (tips.exit_code, "tips over" in tips.stdout) == (3, True)
     assert "normal forces" not in tips.stdout
     assert "nan" not in tips.stdout
 
 
-def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place: Path) -> None:
+def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place):
     recipe = lutgen.load_recipe(place / "tripod.toml")
     report = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
     want = lutgen.evaluate(recipe, [[0.3, math.radians(10.0)]], [[0.1, 0.05, -1]], ALL_CHANNELS)
@@ -74,7 +63,7 @@ def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place: Path) -> N
     assert short["tip_angle_deg"] == pytest.approx(long["tip_angle_deg"], rel=1e-12)
 
 
-def test_a_map_agrees_with_read_and_with_the_recipe(place: Path) -> None:
+def test_a_map_agrees_with_read_and_with_the_recipe(place):
     exact = data("eval", place / "tripod.toml", *POINT)
     report = data("eval", place / "tripod.h5", *POINT)
     read = lutgen.load_map(place / "tripod.h5").read([[0.3, math.radians(10.0)]], [[0, 0, -1]])
@@ -86,7 +75,7 @@ def test_a_map_agrees_with_read_and_with_the_recipe(place: Path) -> None:
     assert report["tip_angle_deg"] == pytest.approx(exact["tip_angle_deg"], abs=10.0)
 
 
-def test_off_the_chart_a_map_knows_nothing(place: Path) -> None:
+def test_off_the_chart_a_map_knows_nothing(place):
     # What nobody can tell is not a 0 that lets a script go on.
     report = data("eval", place / "tripod.h5", *POINT, "-g", "0,0,1", code=3)
     assert (report["on_chart"], report["standing"]) == (False, None)
@@ -97,7 +86,7 @@ def test_off_the_chart_a_map_knows_nothing(place: Path) -> None:
 
 @pytest.mark.parametrize("name", ["rocker.toml", "rocker.h5", "alone.h5"])
 @pytest.mark.parametrize("status", SEEN)
-def test_rocking_is_neither_standing_nor_tipping_over(place: Path, name: str, status: str) -> None:
+def test_rocking_is_neither_standing_nor_tipping_over(place, name, status):
     code = 3 if status == "tips" else 0
     report = data("eval", place / name, "-g", SEEN[status], code=code)
     assert (report["status"], report["standing"]) == (status, status != "tips")
@@ -106,7 +95,7 @@ def test_rocking_is_neither_standing_nor_tipping_over(place: Path, name: str, st
     assert any("the worst of the nodes around" in line for line in rest) is name.endswith(".h5")
 
 
-def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(place: Path) -> None:
+def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(place):
     report = data("metrics", place / "rocker.toml", "--tilt", 10, "--headings", 4)
     assert report["level"]["status"] == "rocks"
     found = [entry["status"] for entry in report["headings"]]
@@ -118,9 +107,7 @@ def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(p
 # loads
 
 
-def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show(
-    place: Path,
-) -> None:
+def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show(place):
     braking = data("eval", place / "cart.toml", "-a", "-4.903325,0,0")
     assert braking == data("eval", place / "cart.toml", "-g", "0.5,0,-1")
     assert braking["tip_angle_deg"] == pytest.approx(
@@ -142,7 +129,7 @@ def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show
     assert "resultant" not in stdout("eval", place / "cart.toml")
 
 
-def test_an_export_refuses_forces_and_a_picture_shows_them(place: Path, tmp_path: Path) -> None:
+def test_an_export_refuses_forces_and_a_picture_shows_them(place, tmp_path):
     result = run("export", place / "roped.toml", "-o", tmp_path / "out")
     assert result.exit_code == 2
     assert "knows the weight and no other force (got rope)" in result.stderr

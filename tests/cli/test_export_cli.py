@@ -3,9 +3,7 @@
 import json
 import math
 import re
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 
 import pytest
 
@@ -25,15 +23,14 @@ QUICK = ("--codec", "contacts", "--max-error", "1%")
 
 
 @pytest.fixture(scope="module", autouse=True)
-def few_points() -> Iterator[None]:
-    """Let certificates measure few points."""
+def few_points():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(exporter, "export", partial(exporter.export, points=2000))
         yield
 
 
 @pytest.fixture(scope="module")
-def place(few_points: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(few_points, tmp_path_factory):
     """Return a folder with a recipe, its map and its export, which no test changes.
 
     What the export printed is beside it.
@@ -47,7 +44,7 @@ def place(few_points: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
+def test_export_prints_codec_bytes_errors_guard_and_folder(place):
     text = (place / "printed").read_text()
     assert re.search(r"^tripod: contacts, float arithmetic$", text, re.M)
     assert re.search(r"^flash +at most [\d,]+ bytes, the largest .* of code$", text, re.M)
@@ -59,7 +56,7 @@ def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
     assert text.splitlines()[-1] == f"folder     {place / 'firmware'}"
 
 
-def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> None:
+def test_channels_and_name_are_those_asked_for(place, tmp_path):
     out = tmp_path / "out"
     options = ("--channels", "tip_angle", "--name", "feet")
     report = data("export", place / "tripod.h5", "-o", out, *QUICK, *options)
@@ -70,7 +67,7 @@ def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> N
 # eval
 
 
-def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place: Path) -> None:
+def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):
     compiled = data("eval", place / "firmware", *POINT, "-g", "0.1,0.05,-1")
     exact = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
     assert compiled["source"] == "compiled"
@@ -85,7 +82,7 @@ def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place: Path) -> None:
     assert "height" not in compiled
 
 
-def test_eval_of_an_export_prints_status_and_channels_with_units(place: Path) -> None:
+def test_eval_of_an_export_prints_status_and_channels_with_units(place):
     lines = good("eval", place / "firmware", *POINT).splitlines()
     assert lines[0] == "tripod (compiled): stands"
     assert lines[1] == "status     SMAP_OK"
@@ -102,12 +99,8 @@ def test_eval_of_an_export_prints_status_and_channels_with_units(place: Path) ->
     ],
 )
 def test_eval_of_an_export_names_the_status_and_warns_beyond_its_axes(
-    place: Path,
-    arguments: tuple[str, ...],
-    status: str,
-    standing: bool | None,
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+    place, arguments, status, standing, caplog
+):
     report = data("eval", place / "firmware", *arguments, code=0 if standing else 3)
     assert (report["status"], report["standing"]) == (status, standing)
     assert (report["sdg"] is None) == (standing is not True)
@@ -115,7 +108,7 @@ def test_eval_of_an_export_names_the_status_and_warns_beyond_its_axes(
     assert beyond is (status == "SMAP_OFF_RANGE")
 
 
-def test_eval_of_an_integer_export_gives_degrees_too(tmp_path: Path) -> None:
+def test_eval_of_an_integer_export_gives_degrees_too(tmp_path):
     export = tripod_export("whole", codec="grid", arithmetic="integer")
     package.write(export, tmp_path / "whole")
     report = data("eval", tmp_path / "whole", *POINT, "-g", "0.02,0.01,-0.5")
@@ -129,7 +122,7 @@ def test_eval_of_an_integer_export_gives_degrees_too(tmp_path: Path) -> None:
         assert below["status"] == "SMAP_OFF_RANGE"
 
 
-def test_eval_of_an_export_takes_what_p_leaves_out_from_its_recipe(place: Path) -> None:
+def test_eval_of_an_export_takes_what_p_leaves_out_from_its_recipe(place):
     report = data("eval", place / "firmware", "-p", "reach=0.3")
     assert report["posture"] == {"reach_m": 0.3, "swing_deg": pytest.approx(5.0)}
     assert report["posture_from"] == "middle of the range: swing"

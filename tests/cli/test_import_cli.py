@@ -8,7 +8,6 @@ import re
 import shutil
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -22,14 +21,14 @@ ROVER = VECTORS / "rover.urdf"
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with the rover's description, made the working folder."""
     shutil.copy(ROVER, tmp_path / "robot.urdf")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def test_without_options_wheels_and_the_joints_that_matter_are_found(folder: Path) -> None:
+def test_without_options_wheels_and_the_joints_that_matter_are_found(folder):
     report = json.loads(good("import", "robot.urdf", "-o", "robot.toml", "--json"))
     assert report["name"] == "rover"
     assert report["mass"] == 26.0
@@ -54,9 +53,7 @@ def test_without_options_wheels_and_the_joints_that_matter_are_found(folder: Pat
     assert report["guessed"] == []
 
 
-def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
-    folder: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(folder, caplog):
     points = [f"--contact=chassis={x},{y},9" for x, y in ((1, 1), (1, -1), (-1, 0))]
     result = run("import", "robot.urdf", "-o", "high.toml", *points)
     assert result.exit_code == 0
@@ -67,9 +64,7 @@ def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
     assert "stands in none" not in caplog.text
 
 
-def test_a_warning_is_on_stderr_in_the_recipe_and_in_the_report(
-    folder: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_warning_is_on_stderr_in_the_recipe_and_in_the_report(folder, caplog):
     sound = ROVER.read_text(encoding="utf-8")
     degrees = sound.replace('lower="-0.8" upper="0.8"', 'lower="-45" upper="45"')
     Path("robot.urdf").write_text(degrees, encoding="utf-8")
@@ -81,7 +76,7 @@ def test_a_warning_is_on_stderr_in_the_recipe_and_in_the_report(
     assert "# Warning: " in text
 
 
-def test_soft_limits_are_taken_when_asked_for(folder: Path) -> None:
+def test_soft_limits_are_taken_when_asked_for(folder):
     soft = '<safety_controller soft_lower_limit="-0.1" soft_upper_limit="0.2" k_velocity="1"/>'
     text = ROVER.read_text(encoding="utf-8")
     old = '<joint name="arms" type="revolute">'
@@ -92,7 +87,7 @@ def test_soft_limits_are_taken_when_asked_for(folder: Path) -> None:
     assert (arms.minimum, arms.maximum) == (pytest.approx(-0.1), pytest.approx(0.2))
 
 
-def test_given_points_spheres_and_joints_are_used_as_they_are(folder: Path) -> None:
+def test_given_points_spheres_and_joints_are_used_as_they_are(folder):
     arguments = ("-c", "left_wheel", "-c", "chassis=0.3,0,-0.1,0.02", "-c", "lens=0,0,1")
     chosen = ("-j", "lift", "-j", "left_axle", "--name", "crawler")
     good("import", "robot.urdf", "-o", "robot.toml", *arguments, *chosen)
@@ -108,7 +103,7 @@ def test_given_points_spheres_and_joints_are_used_as_they_are(folder: Path) -> N
     assert [p.name for p in recipe.parameters] == ["left_axle", "lift"]
 
 
-def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> None:
+def test_names_that_toml_or_the_map_cannot_take_are_changed(folder):
     foot = collision('sphere radius="0.1"', "{} {} -1")
     feet = "".join(foot.format(x, y) for x in (-1, 1) for y in (-1, 1))
     limits = '<axis xyz="1 0 0"/><limit lower="0" upper="1"/>'
@@ -131,7 +126,7 @@ def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> Non
     assert len(said.splitlines()) == 5
 
 
-def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder: Path) -> None:
+def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder):
     foot = collision('sphere radius="0.1"')
     legs = "".join(
         link(f"l{i}", 1.0, inside=foot)
@@ -150,7 +145,7 @@ def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder
     assert recipe.grid.size == 2**12
 
 
-def test_a_joint_that_hardly_matters_is_held_unless_it_is_asked_for(folder: Path) -> None:
+def test_a_joint_that_hardly_matters_is_held_unless_it_is_asked_for(folder):
     # A sensor of 10 g, 0.1 m off its axis, on a rover of 26 kg.
     text = ROVER.read_text(encoding="utf-8").replace(
         "</robot>",
@@ -169,17 +164,15 @@ def test_a_joint_that_hardly_matters_is_held_unless_it_is_asked_for(folder: Path
     assert report["parameters"] == ["spin"]
 
 
-def test_no_file_that_a_description_names_is_opened_unless_it_is_called_a_mesh(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_file_that_a_description_names_is_opened_unless_it_is_called_a_mesh(folder, monkeypatch):
     text = ROVER.read_text(encoding="utf-8")
     Path("a.urdf").write_text(text.replace("package://rover/mast.stl", "../../secret"))
     Path("secret").write_text("x")
     good("import", "a.urdf", "-o", "first.toml")  # all modules are loaded now
-    seen: list[str] = []
+    seen = []
 
-    def spied(before: Any) -> Any:
-        def spy(file: Any, *arguments: Any, **options: Any) -> Any:
+    def spied(before):
+        def spy(file, *arguments, **options):
             # A number stands for a file that was opened before.
             seen.extend([] if isinstance(file, int) else [str(file)])
             return before(file, *arguments, **options)
@@ -205,9 +198,7 @@ XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
 </robot>"""
 
 
-def test_without_the_package_one_sentence_says_how_to_get_it(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_package_one_sentence_says_how_to_get_it(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "xacrodoc", None)
     Path("robot.xacro").write_text(XACRO, encoding="utf-8")
     result = run("import", "-x", "robot.xacro", "-o", "robot.toml")

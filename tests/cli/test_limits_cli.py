@@ -4,7 +4,6 @@ import math
 import re
 from decimal import Decimal
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ good = partial(commands.stdout, "limits")
 data = partial(commands.data, "limits")
 
 
-def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path: Path) -> None:
+def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path):
     robot = parse_recipe(tripod())
     report = data(tripod_path, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
     assert report["posture"] == {"reach_m": 0.2, "swing_deg": pytest.approx(5.0)}
@@ -52,7 +51,7 @@ def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_pa
     assert len(angles) >= 6
 
 
-def test_without_the_options_there_is_one_posture_in_the_middle(tripod_path: Path) -> None:
+def test_without_the_options_there_is_one_posture_in_the_middle(tripod_path):
     report = data(tripod_path)
     assert report["posture"] == {"reach_m": 0.3, "swing_deg": pytest.approx(5.0)}
     assert not {"all_postures", "best_postures"} & set(report)
@@ -61,7 +60,7 @@ def test_without_the_options_there_is_one_posture_in_the_middle(tripod_path: Pat
     assert body["limits"][0]["tilt_deg"] != pytest.approx(report["limits"][0]["tilt_deg"])
 
 
-def test_what_tips_on_level_ground_is_said_in_words(tmp_path: Path) -> None:
+def test_what_tips_on_level_ground_is_said_in_words(tmp_path):
     path = tmp_path / "aside.toml"
     path.write_text(rigid(feet([(1, 1, -1), (0.5, 1, -1), (0.5, -1, -1), (1, -1, -1)])))
     result = commands.run("limits", path, "--all")
@@ -76,7 +75,7 @@ def test_what_tips_on_level_ground_is_said_in_words(tmp_path: Path) -> None:
     assert report["limits"][0]["slides_first"] is None
 
 
-def test_every_limit_is_printed_rounded_down(tripod_path: Path) -> None:
+def test_every_limit_is_printed_rounded_down(tripod_path):
     text, report = good(tripod_path), data(tripod_path)
     for name in ("body", "ground"):
         (said,) = re.findall(rf"guaranteed {name} tilt in every heading: ([\d.]+) deg", text)
@@ -99,7 +98,7 @@ def test_every_limit_is_printed_rounded_down(tripod_path: Path) -> None:
         assert 0.0 <= Decimal(math.degrees(value)) - Decimal(report[key]) < Decimal("1.01e-10")
 
 
-def test_body_tilt_and_ground_tilt_are_two_numbers_and_say_whether_sliding_is_in_them() -> None:
+def test_body_tilt_and_ground_tilt_are_two_numbers_and_say_whether_sliding_is_in_them():
     # Bent so little that it rocks on the left and is caught there.
     robot = (MAPS / "articulated.toml", "-p", "steer=10", "-p", "roll=5")
     report, text = data(*robot), good(*robot)
@@ -122,7 +121,7 @@ def test_body_tilt_and_ground_tilt_are_two_numbers_and_say_whether_sliding_is_in
     assert without.splitlines()[-1].endswith("sliding not included, friction is not known)")
 
 
-def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path: Path) -> None:
+def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path):
     path = tmp_path / "cart.toml"
     wheels = [
         contact(f"w{i}", (x, y, -0.4), 0.1, (0.0, 1.0, 0.0)) + ("rolling = true\n" * (x > 0))

@@ -3,22 +3,19 @@
 import math
 import re
 from functools import partial
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 import lutgen
-from lutgen.search.objective import Objective
 from tests.fixtures import commands
-from tests.fixtures.places import MAPS, ROOT
+from tests.fixtures.places import MAPS
 
 TWO = str(MAPS / "paper_two.toml")
 run = partial(commands.run, "optimum")
 data = partial(commands.data, "optimum")
 
 
-def test_the_text_names_value_deltas_ranges_and_evaluations() -> None:
+def test_the_text_names_value_deltas_ranges_and_evaluations():
     result = run(TWO, "--limit", 0.05)
     assert result.exit_code == 0
     first, alpha, gamma = result.stdout.splitlines()
@@ -27,7 +24,7 @@ def test_the_text_names_value_deltas_ranges_and_evaluations() -> None:
         assert line == (f"  {name}  30.9568 deg  +- 0.712406 deg  acceptable 30.2364 to 31.6692")
 
 
-def test_the_last_node_is_shown_beside_a_better_one_seen_before() -> None:
+def test_the_last_node_is_shown_beside_a_better_one_seen_before():
     lines = run(TWO, "--levels", 2).stdout.splitlines()
     assert lines[1].startswith("  alpha  30 deg")
     assert lines[-1] == "last node, worse than the best seen: alpha 32 deg, gamma 32 deg: 0.0734351"
@@ -37,7 +34,7 @@ def test_the_last_node_is_shown_beside_a_better_one_seen_before() -> None:
     assert last["value"] > data(TWO, "--levels", 2)["value"]
 
 
-def test_the_json_equals_what_python_returns_in_degrees() -> None:
+def test_the_json_equals_what_python_returns_in_degrees():
     recipe = lutgen.load_recipe(TWO)
     found = lutgen.optimum(
         recipe, [0.2, 0.1, -1], "nelder-mead", "tip_angle", limit=math.radians(20)
@@ -63,7 +60,7 @@ def test_the_json_equals_what_python_returns_in_degrees() -> None:
             assert at_limit or math.degrees(end) in (0.0, 50.0)
 
 
-def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path: Path) -> None:
+def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path):
     report = data(tripod_path, "--bounds", "reach=0.1:0.5", "--bounds", "swing=-10:20")
     assert 0.1 <= report["parameters"]["reach"]["value"] <= 0.5
     assert -10 <= report["parameters"]["swing"]["value_deg"] <= 20
@@ -73,7 +70,7 @@ def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path: Path) -> N
     assert re.search(r"^  swing  -?[\d.]+ deg  ", text, re.MULTILINE)
 
 
-def test_a_parameter_given_a_value_keeps_it() -> None:
+def test_a_parameter_given_a_value_keeps_it():
     report = data(TWO, "-p", "gamma=20", "--method", "multistart")
     assert report["parameters"]["gamma"]["value_deg"] == pytest.approx(20.0, abs=1e-12)
     assert report["parameters"]["gamma"]["kept"] is True
@@ -83,7 +80,7 @@ def test_a_parameter_given_a_value_keeps_it() -> None:
     )
 
 
-def test_start_seed_and_ends_reach_the_methods() -> None:
+def test_start_seed_and_ends_reach_the_methods():
     near = data(TWO, "--method", "nelder-mead", "--start", "alpha=31", "--start", "gamma=31")
     far = data(TWO, "--method", "nelder-mead", "--start", "alpha=3")
     assert near["evaluations"] != far["evaluations"]
@@ -93,7 +90,7 @@ def test_start_seed_and_ends_reach_the_methods() -> None:
     assert right["parameters"]["alpha"]["value_deg"] in [pytest.approx(x) for x in (33, 23)]
 
 
-def test_where_nothing_stands_the_least_bad_geometry_is_printed_and_the_exit_code_is_3() -> None:
+def test_where_nothing_stands_the_least_bad_geometry_is_printed_and_the_exit_code_is_3():
     report = data(TWO, "-g", "0,0,1", code=3)
     assert report["standing"] is False
     assert report["value"] is None
@@ -106,20 +103,8 @@ def test_where_nothing_stands_the_least_bad_geometry_is_printed_and_the_exit_cod
     assert "tips over in every geometry tried, least in this one" in result.stdout
 
 
-def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(caplog):
     report = data(TWO, "--method", "map", "--limit", 1e-6)
     assert report["standing"] is True
     assert report["parameters"]["alpha"]["acceptable_deg"] == [None, None]
     assert "exceeds the limit: no range is acceptable" in caplog.text
-
-
-def test_the_document_says_how_far_the_conventions_differ() -> None:
-    text = (ROOT / "docs" / "guide" / "search.md").read_text(encoding="utf-8")
-    said = re.search(r"at\s+10 deg it is ([\d.]+) under `body` and ([\d.]+) under `plane`", text)
-    assert said is not None
-    recipe = lutgen.load_recipe(TWO)
-    for convention, value in zip(("body", "plane"), said.groups(), strict=True):
-        cost = Objective(recipe, [0, 0, -1], "sdg", convention).cost(np.radians([[10.0, 10.0]]))
-        assert f"{cost[0]:.2f}" == value

@@ -3,7 +3,6 @@
 import shlex
 import shutil
 import time
-from pathlib import Path
 
 import click
 import h5py
@@ -33,7 +32,7 @@ normal = [-1, 0, 1]
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(tmp_path_factory):
     """Return a folder with sources of every kind, good and bad, which no test changes."""
     folder = tmp_path_factory.mktemp("refusals")
     text = tripod(channels=ALL_CHANNELS, max_tilt=60.0)
@@ -213,7 +212,7 @@ REFUSED = """
 
 
 @pytest.fixture
-def folder(place: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(place, monkeypatch):
     """Make the folder of sources the working one; whatever is refused leaves it as it is."""
     monkeypatch.chdir(place)
     # Python keeps what it compiled of a recipe's code, if it may.
@@ -222,9 +221,7 @@ def folder(place: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("row", REFUSED.strip().splitlines())
-def test_what_is_wrong_is_one_sentence_an_exit_code_and_nothing_left_behind(
-    row: str, folder: Path
-) -> None:
+def test_what_is_wrong_is_one_sentence_an_exit_code_and_nothing_left_behind(row, folder):
     code, command, said = row.split(" | ")
     before = sorted(path.name for path in folder.rglob("*"))
     start = time.process_time()
@@ -238,7 +235,7 @@ def test_what_is_wrong_is_one_sentence_an_exit_code_and_nothing_left_behind(
     assert sorted(path.name for path in folder.rglob("*")) == before
 
 
-def test_every_command_is_in_the_table() -> None:
+def test_every_command_is_in_the_table():
     # A schema takes nothing, and a report on the paper only its folder.
     listed = {row.split(" | ")[1].split()[0] for row in REFUSED.strip().splitlines()}
     assert set(main.commands) - listed == {"schema", "paper"}
@@ -276,9 +273,7 @@ FILES = [
 
 
 @pytest.mark.parametrize(("command", "text", "said"), FILES, ids=[said for *_, said in FILES])
-def test_a_file_that_is_wrong_or_too_large_is_refused_at_once(
-    command: str, text: str, said: str, tmp_path: Path
-) -> None:
+def test_a_file_that_is_wrong_or_too_large_is_refused_at_once(command, text, said, tmp_path):
     (tmp_path / "r.toml").write_text(text)
     start = time.process_time()
     result = run(command, tmp_path / "r.toml")
@@ -287,20 +282,20 @@ def test_a_file_that_is_wrong_or_too_large_is_refused_at_once(
     assert said in result.stderr.splitlines()[0]
 
 
-def test_a_device_without_an_end_is_a_file_too_long(folder: Path) -> None:
+def test_a_device_without_an_end_is_a_file_too_long(folder):
     assert "more than 4,194,304 bytes" in run("check", "/dev/zero").stderr
     said = run("path", "tripod.toml", "--terrain", "/dev/zero").stderr
     assert "67,108,864 bytes of a terrain" in said
 
 
-def test_limits_of_more_postures_than_fit_are_refused_before_a_row_is_made(tmp_path: Path) -> None:
+def test_limits_of_more_postures_than_fit_are_refused_before_a_row_is_made(tmp_path):
     path = tmp_path / "r.toml"
     path.write_text(SMALL.replace("reach = 2, swing = 2", "reach = 99999, swing = 99999"))
     assert "50,000,000 postures times headings" in run("limits", path, "--all").stderr
 
 
 @pytest.mark.parametrize("name", sorted(main.commands))
-def test_an_empty_text_is_no_path_to_any_command(name: str, tmp_path: Path) -> None:
+def test_an_empty_text_is_no_path_to_any_command(name, tmp_path):
     paths = [one for one in main.commands[name].params if isinstance(one.type, click.Path)]
     for one in paths:
         with pytest.raises(click.BadParameter, match="names nothing"):
@@ -310,10 +305,9 @@ def test_an_empty_text_is_no_path_to_any_command(name: str, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    "command",
-    ["check 'no\x1b[31m\n.toml'", "info 'no\x1b[31m\n.h5'", "check '--no\x1b[31m'"],
+    "command", ["check 'no\x1b[31m\n.toml'", "info 'no\x1b[31m\n.h5'", "check '--no\x1b[31m'"]
 )
-def test_a_name_that_a_terminal_would_obey_is_shown_as_an_escape(command: str) -> None:
+def test_a_name_that_a_terminal_would_obey_is_shown_as_an_escape(command):
     result = run(*shlex.split(command))
     assert result.exit_code == 2
     assert "\x1b" not in result.stderr

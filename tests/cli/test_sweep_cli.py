@@ -18,7 +18,7 @@ MINE = b"my thesis"
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with a recipe, made the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
@@ -28,14 +28,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 # sweep and info
 
 
-def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(monkeypatch):
     result = good("sweep", "r.toml", "-o", "a.h5", "--threads", 1)
     assert (result.stdout, "a.h5" in result.stderr) == ("", True)
     assert good("-q", "sweep", "r.toml", "-o", "a.h5").output == ""
 
-    def interrupt(self: Computer, block: object) -> None:
+    def interrupt(self, block):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
@@ -47,7 +45,7 @@ def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(
     assert Path("a.h5").read_bytes() == Path("b.h5").read_bytes()
 
 
-def test_info_tells_axes_ranges_and_provenance_of_the_stored_values() -> None:
+def test_info_tells_axes_ranges_and_provenance_of_the_stored_values():
     Path("tripod.toml").write_text(tripod(channels=ALL_CHANNELS, max_tilt=60.0))
     good("sweep", "tripod.toml", "-o", "tripod.h5")
     result = good("info", "tripod.h5", "--verify")
@@ -88,7 +86,7 @@ def test_info_tells_axes_ranges_and_provenance_of_the_stored_values() -> None:
 # what is replaced
 
 
-def refused(name: str, *arguments: object) -> None:
+def refused(name, *arguments):
     """Run a command that must refuse to replace a file, and leave it as it is."""
     before, names = Path(name).read_bytes(), sorted(path.name for path in Path().iterdir())
     result = run(*arguments)
@@ -98,7 +96,7 @@ def refused(name: str, *arguments: object) -> None:
     assert sorted(path.name for path in Path().iterdir()) == names
 
 
-def test_a_sweep_replaces_maps_and_nothing_else() -> None:
+def test_a_sweep_replaces_maps_and_nothing_else():
     refused("r.toml", "sweep", "r.toml", "-o", "r.toml")
     Path("thesis.txt").write_bytes(MINE)
     refused("thesis.txt", "sweep", "r.toml", "-o", "thesis.txt")
@@ -110,8 +108,8 @@ def test_a_sweep_replaces_maps_and_nothing_else() -> None:
     refused("link.h5", "sweep", "r.toml", "-o", "link.h5", "--force")
 
 
-def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed() -> None:
-    def stop(done: int, total: int) -> None:
+def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed():
+    def stop(done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -130,7 +128,7 @@ def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed() ->
     assert not Path("c.h5.part").exists()
 
 
-def test_figures_and_films_of_lutgen_alone_are_replaced() -> None:
+def test_figures_and_films_of_lutgen_alone_are_replaced():
     drive = ("path", "r.toml", "--points", "3", "--no-control")
     figure = ("plot", "r.toml", "--kind", "robot")
     for command, target, option in ((figure, "a.png", "-o"), (drive, "a.gif", "--animate")):
@@ -146,7 +144,7 @@ def test_figures_and_films_of_lutgen_alone_are_replaced() -> None:
     refused("a.csv", *drive, "-p", "swing=1", "-o", "a.csv")
 
 
-def test_an_import_leaves_alone_what_was_edited_by_hand() -> None:
+def test_an_import_leaves_alone_what_was_edited_by_hand():
     shutil.copy(VECTORS / "rover.urdf", "robot.urdf")
     command = ("import", "robot.urdf", "-o", "rover.toml")
     for _ in range(2):
@@ -161,7 +159,7 @@ def test_an_import_leaves_alone_what_was_edited_by_hand() -> None:
     assert Path("rover.toml").read_text(encoding="utf-8") == made
 
 
-def test_a_report_refuses_a_page_of_somebody_else_before_it_computes() -> None:
+def test_a_report_refuses_a_page_of_somebody_else_before_it_computes():
     Path("out").mkdir()
     Path("out/paper.html").write_bytes(MINE)
     assert run("paper", "-o", "out").exit_code == 2

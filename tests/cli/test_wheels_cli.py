@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 
@@ -22,16 +21,14 @@ IMPOSSIBLE = ("--velocity", "0.5,0", "--yaw-rate", 57.29577951308232)
 
 
 @pytest.fixture
-def cart(tmp_path: Path) -> Path:
+def cart(tmp_path):
     """Return the recipe of a differential drive with a wheel in the air."""
     path = tmp_path / "cart.toml"
     path.write_text(rigid(CART + WHEELS, name="cart"))
     return path
 
 
-def test_speeds_are_printed_per_wheel_with_their_units(
-    cart: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_speeds_are_printed_per_wheel_with_their_units(cart, caplog):
     head, columns, *rows = good("wheels", cart, *POSSIBLE).stdout.splitlines()
     assert head == "cart: 2 DoF, non-steered (degree of mobility 2, of steerability 0)"
     assert re.split("  +", columns) == ["wheel", "speed rad/s", "steering deg", "slip m/s"]
@@ -53,9 +50,7 @@ def test_speeds_are_printed_per_wheel_with_their_units(
     assert "the robot tips over" in caplog.text
 
 
-def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possible(
-    cart: Path,
-) -> None:
+def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possible(cart):
     result = run("wheels", cart, *IMPOSSIBLE)
     rows = result.stdout.splitlines()
     assert (result.exit_code, rows[2].split()) == (1, ["P1", "2.5", "-", "0.1"])
@@ -70,7 +65,7 @@ def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possib
     good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
 
 
-def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path: Path) -> None:
+def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path):
     path = tmp_path / "steered.toml"
     wheel = f'[[robot.wheel]]\ncontact = "P1"\nsteered = true\n{AXLE}'
     path.write_text(rigid(CART + wheel, name="steered"))
@@ -79,7 +74,7 @@ def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path: Path)
     assert one["speed_rad_s"] == pytest.approx(-10.0 * math.sqrt(2.0))
 
 
-def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
+def test_parameters_and_gravity_choose_the_posture_and_its_ground():
     recipe = MAPS / "paper_two.toml"
     report = data(
         *("wheels", recipe, "-p", "alpha=10", "-p", "gamma=40"),
@@ -100,14 +95,14 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
 
 
 @pytest.fixture
-def ditch(tmp_path: Path) -> Path:
+def ditch(tmp_path):
     """Return the file of two feet on walls of 45 deg."""
     path = tmp_path / "ditch.toml"
     path.write_text(DITCH)
     return path
 
 
-def test_a_stance_has_a_verdict_a_region_and_forces_that_balance(ditch: Path) -> None:
+def test_a_stance_has_a_verdict_a_region_and_forces_that_balance(ditch):
     report = data("stance", ditch)
     assert (report["holds"], report["margin"], report["region_is_open"]) == (True, 0.0, False)
     assert sorted(x for x, _ in report["region"]) == pytest.approx([-0.8, 0.8])
@@ -130,9 +125,7 @@ def test_a_stance_has_a_verdict_a_region_and_forces_that_balance(ditch: Path) ->
         ("0.80001", "undecided, at the limit of friction", None),
     ],
 )
-def test_the_exit_code_is_3_unless_it_holds(
-    ditch: Path, x: str, said: str, holds: bool | None
-) -> None:
+def test_the_exit_code_is_3_unless_it_holds(ditch, x, said, holds):
     ditch.write_text(DITCH.replace("com = [0.3", f"com = [{x}"))
     assert run("stance", ditch).stdout.splitlines()[0] == f"ditch: {said}"
     report = data("stance", ditch, code=0 if holds else 3)
@@ -140,7 +133,7 @@ def test_the_exit_code_is_3_unless_it_holds(
     assert (report["feet"][0]["force"] is None) is (holds is not True)
 
 
-def test_gravity_comes_from_the_option_the_file_or_is_down(ditch: Path) -> None:
+def test_gravity_comes_from_the_option_the_file_or_is_down(ditch):
     level, steep = data("stance", ditch), data("stance", ditch, "-g", "0.3,0,-1")
     assert data("stance", ditch, "-g", "0,0,-9.81")["region"] == level["region"]
     length = math.hypot(1, 0.3)
@@ -161,7 +154,7 @@ def test_gravity_comes_from_the_option_the_file_or_is_down(ditch: Path) -> None:
     assert [foot["friction_used"] for foot in report["feet"]] == [0.0, 0.0]
 
 
-def test_a_weight_that_nothing_can_hold_has_no_region(ditch: Path) -> None:
+def test_a_weight_that_nothing_can_hold_has_no_region(ditch):
     text = DITCH.replace("friction = 0.5", "friction = 0").replace("[-1, 0, 1]", "[1, 0, 1]")
     ditch.write_text(text)
     said = run("stance", ditch).stdout

@@ -6,10 +6,9 @@ import lutgen
 from tests.fixtures.places import ROOT
 
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-POLICY = (ROOT / "docs/reference/deprecation.md").read_text(encoding="utf-8")
 
 
-def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package() -> None:
+def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package():
     keys = dict(re.findall(r"^([a-z-]+):[ ]*(.*)$", CITATION, re.MULTILINE))
     assert {"cff-version", "message", "title", "authors"} <= set(keys)
     assert keys["cff-version"] == "1.2.0"
@@ -20,8 +19,3 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
     newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
     assert newest is not None
     assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"
-
-
-def test_the_policy_names_the_numbers_that_formats_have() -> None:
-    for name in ("lutgen_format", "lutgen_definition", "SMAP_VERSION", "SMAP_CONTROL_VERSION"):
-        assert f"`{name}`" in POLICY

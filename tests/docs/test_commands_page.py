@@ -2,7 +2,6 @@
 
 import os
 import re
-import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +11,6 @@ from click.testing import CliRunner
 
 from lutgen.cli import main
 from tests.cli.test_alike import VERDICTS
-from tests.fixtures.commands import stdout
-from tests.fixtures.documents import blocks
 from tests.fixtures.places import ROOT
 
 PAGE = "docs/guide/commands.md"
@@ -23,7 +20,7 @@ LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", TEXT, re.MU
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return an empty working folder, with this environment's programs first on the path."""
     monkeypatch.chdir(tmp_path)
     programs = str(Path(sys.executable).parent)
@@ -31,8 +28,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def bash(script: str) -> str:
-    """Run a script and return what it printed."""
+def bash(script):
     done = subprocess.run(
         ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
     )
@@ -40,65 +36,45 @@ def bash(script: str) -> str:
     return done.stdout
 
 
-def test_the_commands_of_the_page_run_and_print_what_it_shows(folder: Path) -> None:
-    first, *others = blocks(PAGE, "sh")
-    printed = ""
-    for line in first.splitlines():
-        command, _, target = line.partition(" > ")
-        said = stdout(*command.split()[1:])
-        if target:
-            Path(target).write_text(said)
-        printed += said
-    assert "recipe:absolem " in printed
-    assert "absolem: 12 contacts" in printed
-    assert "paper_one: largest tilt before it tips over" in printed
-    assert (folder / "mine.toml").read_text() == (ROOT / "maps/paper_one.toml").read_text()
-    shown = blocks(PAGE, "text")
-    assert len(others) == len(shown) == 2
-    for script, text in zip(others, shown, strict=True):
-        # A command that ends with 3 is not the end of this script.
-        assert bash(f"set +e\n{script}") == text
-
-
-def test_the_table_of_verdicts_names_the_commands_that_have_one() -> None:
+def test_the_table_of_verdicts_names_the_commands_that_have_one():
     listed = re.findall(r"^\| `(\w+)` \|", TEXT, re.MULTILINE)
     assert listed == sorted(VERDICTS)
     # What the help of a command says of its own exit code.
-    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}  # type: ignore[union-attr]
+    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}
     assert says == set(listed)
 
 
-def completions(shell: str, words: str, incomplete: str) -> list[str]:
-    """Return what lutgen answers the shell's function, which asks through the environment."""
-    given = words if shell == "fish" else f"{words} {incomplete}".strip()
+def completions(words, incomplete):
+    """Return what lutgen answers the function of bash, which asks through the environment."""
     asked = {
-        "_LUTGEN_COMPLETE": f"{shell}_complete",
-        "COMP_WORDS": given,
-        "COMP_CWORD": incomplete if shell == "fish" else str(len(shlex.split(words))),
+        "_LUTGEN_COMPLETE": "bash_complete",
+        "COMP_WORDS": f"{words} {incomplete}",
+        "COMP_CWORD": str(len(words.split())),
     }
     lines = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout.splitlines()
-    # zsh is answered in three lines each: type, value, help.
-    values = lines[1::3] if shell == "zsh" else [line.split(",", 1)[1] for line in lines]
-    return [value.split("\t")[0] for value in values]
+    return [line.split(",", 1)[1] for line in lines]
+
+
+def test_commands_options_kinds_and_recipes_are_completed():
+    assert completions("lutgen", "lim") == ["limits"]
+    assert completions("lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
+    assert completions("lutgen recipes", "ab") == ["absolem"]
+    assert "--json" in completions("lutgen sweep", "--")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_is_given_a_function_and_its_answers(shell: str) -> None:
+def test_each_shell_is_given_a_function_of_its_own(shell):
     source = re.search(r"_LUTGEN_COMPLETE=(\w+) lutgen", LINES[shell])
     assert source is not None
     asked = {"_LUTGEN_COMPLETE": source[1]}
     script = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout
-    # The function is for this shell, asks what is asked below, and is tied to the command.
+    # The function is for this shell, asks what is asked above, and is tied to the command.
     tied = {"bash": "complete -o", "zsh": "compdef", "fish": "complete --no-files --command lutgen"}
     assert tied[shell] in script
     assert f"_LUTGEN_COMPLETE={shell}_complete" in script
-    assert completions(shell, "lutgen", "lim") == ["limits"]
-    assert completions(shell, "lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
-    assert completions(shell, "lutgen recipes", "ab") == ["absolem"]
-    assert "--json" in completions(shell, "lutgen sweep", "--")
 
 
-def test_bash_completes_after_the_line_of_the_page(folder: Path) -> None:
+def test_bash_completes_after_the_line_of_the_page(folder):
     script = f"""{LINES["bash"]}
     set +u
     name=$(complete -p lutgen | sed -E 's/.*-F (\\w+) .*/\\1/')

@@ -1,7 +1,6 @@
 """What the documents lead to is there; links between pages are checked where the site is built."""
 
 import re
-from pathlib import Path
 
 from tests.fixtures.places import DOCUMENTS, ROOT, SOURCES
 
@@ -9,12 +8,11 @@ from tests.fixtures.places import DOCUMENTS, ROOT, SOURCES
 ENDS = ("", ".py")
 
 
-def prose(page: Path) -> str:
-    """Return a page without its fenced blocks."""
+def prose(page):
     return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
 
 
-def test_links_lead_to_files_and_every_page_can_be_reached_from_the_readme() -> None:
+def test_links_lead_to_files_and_every_page_can_be_reached_from_the_readme():
     seen, waiting, missing = set(), [ROOT / "README.md"], []
     while waiting:
         page = waiting.pop()
@@ -29,7 +27,7 @@ def test_links_lead_to_files_and_every_page_can_be_reached_from_the_readme() -> 
     assert set(DOCUMENTS) - seen == set()
 
 
-def test_every_source_that_a_document_names_with_its_folder_is_there() -> None:
+def test_every_source_that_a_document_names_with_its_folder_is_there():
     missing = []
     for page in DOCUMENTS:
         for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]*(?:\.(?:py|[ch]))?)`", prose(page)):
@@ -42,7 +40,7 @@ def test_every_source_that_a_document_names_with_its_folder_is_there() -> None:
     assert missing == []
 
 
-def test_every_file_of_the_runtime_that_a_source_names_is_there() -> None:
+def test_every_file_of_the_runtime_that_a_source_names_is_there():
     runtime = ROOT / "firmware_export" / "runtime"
     missing = [
         f"{source.name}: {name}"

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import zlib
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -21,7 +20,7 @@ HEADERS = [ROOT / "firmware_export/runtime" / name for name in ("smap.h", "smap_
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def built(tmp_path_factory):
     """Return the folder of the site, and the exit code and words of its build.
 
     It is that of `make docs`, so that only what is new is read; one process builds it for all.
@@ -39,17 +38,16 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 @pytest.fixture(scope="module")
-def site(built: tuple[Path, str]) -> Path:
-    """Return the folder of the site."""
+def site(built):
     return built[0]
 
 
 @cache
-def known(site: Path) -> dict[str, set[str]]:
+def known(site):
     """Return the names of everything that the site documents, by their role."""
     inventory = (site / "objects.inv").read_bytes()
     _, _, _, _, packed = inventory.split(b"\n", 4)
-    found: dict[str, set[str]] = {}
+    found = {}
     for line in zlib.decompress(packed).decode().splitlines():
         match = re.match(r"(.+?)\s+(\S+:\S+)\s+(-?\d+)\s+(\S*)\s+(.*)", line)
         assert match is not None, line
@@ -57,11 +55,11 @@ def known(site: Path) -> dict[str, set[str]]:
     return found
 
 
-def test_the_build_ends_without_a_warning(built: tuple[Path, str]) -> None:
+def test_the_build_ends_without_a_warning(built):
     assert built[1].startswith("0\n"), built[1]
 
 
-def test_every_public_name_of_python_is_in_the_reference(site: Path) -> None:
+def test_every_public_name_of_python_is_in_the_reference(site):
     names = {name for role, some in known(site).items() if role.startswith("py:") for name in some}
     wanted = {f"lutgen.{name}" for name in lutgen.__all__}
     wanted |= {f"firmware_export.{name}" for name in firmware_export.__all__}
@@ -69,7 +67,7 @@ def test_every_public_name_of_python_is_in_the_reference(site: Path) -> None:
     assert wanted - names == set()
 
 
-def test_every_function_type_and_constant_of_the_headers_is_in_the_reference(site: Path) -> None:
+def test_every_function_type_and_constant_of_the_headers_is_in_the_reference(site):
     text = "\n".join(path.read_text(encoding="utf-8") for path in HEADERS)
     code = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     roles = known(site)
@@ -83,14 +81,14 @@ def test_every_function_type_and_constant_of_the_headers_is_in_the_reference(sit
     assert {name for name in constants if name not in page} == set()
 
 
-def test_no_page_loads_anything_from_a_network(site: Path) -> None:
+def test_no_page_loads_anything_from_a_network(site):
     pages = [page for page in site.rglob("*.html") if "explorer" not in page.parts]
     assert len(pages) > 45
     loads = re.compile(r"""<(?:link|script|img|iframe)[^>]+(?:src|href)=["'](?:https?:)?//""")
     assert [page.name for page in pages if loads.search(page.read_text("utf-8"))] == []
 
 
-def test_every_term_of_the_glossary_can_be_looked_up(site: Path) -> None:
+def test_every_term_of_the_glossary_can_be_looked_up(site):
     text = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8")
     terms = {
         one for said in re.findall(r"^- \*\*(.+?)\*\*:", text, re.M) for one in said.split(", ")
@@ -102,7 +100,7 @@ def test_every_term_of_the_glossary_can_be_looked_up(site: Path) -> None:
     assert (site / "search.html").is_file()
 
 
-def test_the_site_shows_what_the_notebooks_gave(site: Path) -> None:
+def test_the_site_shows_what_the_notebooks_gave(site):
     for notebook in ROOT.glob("docs/notebooks/*.ipynb"):
         page = (site / "docs/notebooks" / f"{notebook.stem}.html").read_text(encoding="utf-8")
         assert re.search(r'<img[^>]+src="../../_images/[0-9a-f]+\.png"', page), "it has a figure"

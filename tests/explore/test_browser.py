@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,7 +32,7 @@ return new Set(new Uint32Array(pixels.buffer)).size;
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory):
+def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     found = {}
     for name in ROBOTS:
@@ -54,14 +53,14 @@ def browser():
     one.close()
 
 
-def asked(browser, mode: str, params: np.ndarray, down: np.ndarray) -> np.ndarray:
+def asked(browser, mode, params, down):
     """Return status, sdg, tip, height, gravity, and how high the com is over the plane (m, 8)."""
     both = zip(params.tolist(), down.tolist(), strict=True)
     rows = [{"q": q, "mode": mode, "down": g} for q, g in both]
     return np.array(browser.driver.execute_script(ASK, json.dumps(rows)), dtype=np.float64)
 
 
-def states(recipe, count: int) -> tuple[np.ndarray, np.ndarray]:
+def states(recipe, count):
     """Return random params (m, k) and directions (m, 3) up to 45 deg of tilt."""
     rng = np.random.default_rng(1)
     low = [p.minimum for p in recipe.parameters]
@@ -74,8 +73,8 @@ def states(recipe, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_answers_have_the_bits_of_the_c_and_a_robot_is_seated_as_lutgen_seats_it(
-    name: str, pages, browser
-) -> None:
+    name, pages, browser
+):
     recipe, held, path = pages[name]
     params, down = states(recipe, STATES)
     browser.open(path)
@@ -94,7 +93,7 @@ def test_answers_have_the_bits_of_the_c_and_a_robot_is_seated_as_lutgen_seats_it
     assert browser.complaints() == []
 
 
-def test_nothing_is_loaded_and_no_other_script_runs(pages, browser) -> None:
+def test_nothing_is_loaded_and_no_other_script_runs(pages, browser):
     browser.open(pages["paper_two"][2])
     assert browser.ask("performance.getEntriesByType('resource').length") == 0
     script = (
@@ -107,7 +106,7 @@ def test_nothing_is_loaded_and_no_other_script_runs(pages, browser) -> None:
     assert len(browser.complaints()) >= 2
 
 
-def test_every_control_moves_what_it_says(pages, browser) -> None:
+def test_every_control_moves_what_it_says(pages, browser):
     browser.open(pages["absolem"][2])
     move = (
         "((selector, value) => { const one = document.querySelector(selector); one.value = value;"
@@ -115,7 +114,7 @@ def test_every_control_moves_what_it_says(pages, browser) -> None:
         "one.dispatchEvent(new Event('change', {bubbles: true})); return true; })"
     )
 
-    def moved(selector: str, value: str, what: str, expected: object) -> None:
+    def moved(selector, value, what, expected):
         assert browser.ask(f"{move}({selector!r}, {value!r})")
         assert browser.ask(f"explorer.state.now{what}") == pytest.approx(expected), selector
 
@@ -148,7 +147,7 @@ def test_every_control_moves_what_it_says(pages, browser) -> None:
     assert browser.complaints() == []
 
 
-def test_keys_and_drags_move_gravity(pages, browser) -> None:
+def test_keys_and_drags_move_gravity(pages, browser):
     from selenium.webdriver import ActionChains, Keys
 
     browser.open(pages["absolem"][2])
@@ -178,7 +177,7 @@ def test_keys_and_drags_move_gravity(pages, browser) -> None:
     assert browser.complaints() == []
 
 
-def test_pictures_are_not_blank_and_the_address_holds_the_state(pages, browser) -> None:
+def test_pictures_are_not_blank_and_the_address_holds_the_state(pages, browser):
     state = "#p.alpha=40&p.gamma=20&mode=body&tilt=15&x=gamma&y=alpha&what=sdg&theme=dark"
     browser.open(pages["paper_two"][2], state)
     browser.until("explorer.disc.data?.size === 180 && explorer.map.data?.size === 61")
@@ -195,14 +194,14 @@ def test_pictures_are_not_blank_and_the_address_holds_the_state(pages, browser) 
     assert browser.complaints() == []
 
 
-def test_nothing_is_green_next_to_tipping(pages, browser) -> None:
+def test_nothing_is_green_next_to_tipping(pages, browser):
     verdict = "document.querySelector('[data-is=verdict]')"
     for tilt, kind in ((30, "stands"), (45, "close"), (50, "tips")):
         browser.open(pages["paper_two"][2], f"#mode=body&tilt={tilt}&heading=60")
         browser.until(f"{verdict}.style.color === 'var(--{kind})'")
 
 
-def test_a_page_that_is_damaged_says_so(pages, browser, tmp_path: Path) -> None:
+def test_a_page_that_is_damaged_says_so(pages, browser, tmp_path):
     path = tmp_path / "page.html"
     path.write_text(pages["paper_two"][2].read_text().replace('"wasm":"AGFzbQ', '"wasm":"AGFzbR'))
     browser.driver.get(path.as_uri())

@@ -12,9 +12,7 @@ from tests.fixtures.exports import before_guard
 
 
 @pytest.mark.parametrize("label", ["grid i8 3x1 1x3 1x1", "grid i16 5x1 1x4 1x1"])
-def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard(
-    label: str,
-) -> None:
+def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard(label):
     model = Model(load_recipe("maps/paper_two.toml"))
     channels = ("sdg", "tip_angle", "height")
     spec = lookup.Spec.of_label(label)

@@ -22,7 +22,7 @@ LEFT, FRONT = 0, {2, 3}
 
 @pytest.mark.parametrize("text", TRACTORS)
 @pytest.mark.parametrize("whole", [False, True])
-def test_no_tractor_is_safer_in_c_than_in_the_definition(text: str, whole: bool) -> None:
+def test_no_tractor_is_safer_in_c_than_in_the_definition(text, whole):
     export = rover_export(text=text)
     model, host = export.model, Host(describe(export))
     reader = Reader(model, host.read_i, export.body.steps) if whole else device(export)
@@ -39,7 +39,7 @@ def test_no_tractor_is_safer_in_c_than_in_the_definition(text: str, whole: bool)
 
 
 @pytest.mark.parametrize(("pivot", "sideways"), [(0.7, 38.5), (0.5, 35.7), (0.0, 30.1)])
-def test_a_tractor_tips_sideways_over_its_pivot(pivot: float, sideways: float) -> None:
+def test_a_tractor_tips_sideways_over_its_pivot(pivot, sideways):
     # Worked by hand: 0.8 (1 - 0.8 / x) / 0.9 with x = 0.8 + 1.5 * 0.9 / (0.9 - z).
     slope = np.radians(np.arange(25.0, 45.0, 0.01))
     down = np.column_stack([0.0 * slope, np.sin(slope), -np.cos(slope)])
@@ -53,7 +53,7 @@ def test_a_tractor_tips_sideways_over_its_pivot(pivot: float, sideways: float) -
     assert names & FRONT
 
 
-def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out() -> None:
+def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out():
     uncertain = Model(parse_recipe(tractor(head="com_uncertainty = 0.01")))
     assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
     with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):

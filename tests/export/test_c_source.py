@@ -4,7 +4,6 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,8 +40,7 @@ KINDS = ("contacts", "rover", "grid", "integer")
 
 
 @pytest.fixture(scope="module")
-def exports() -> dict[str, Export]:
-    """Return one export of each kind."""
+def exports():
     return {
         "contacts": tripod_export("feet"),
         "rover": rover_export(),
@@ -52,19 +50,14 @@ def exports() -> dict[str, Export]:
 
 
 @pytest.fixture(scope="module")
-def folders(
-    exports: dict[str, Export], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Path]:
-    """Return their folders, which no test changes."""
+def folders(exports, tmp_path_factory):
     place = tmp_path_factory.mktemp("exports")
     for name, export in exports.items():
         package.write(export, place / name)
     return {name: place / name for name in exports}
 
 
-def build(
-    folder: Path, *flags: str, compiler: str = "cc", sources: tuple[str, ...] = ()
-) -> subprocess.CompletedProcess[str]:
+def build(folder, *flags, compiler="cc", sources=()):
     """Compile the C files of a folder without linking."""
     names = sources or tuple(sorted(path.name for path in folder.glob("*.c")))
     command = [compiler, *flags, "-fsyntax-only", *names]
@@ -76,9 +69,7 @@ def build(
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_compiler_takes_every_file_without_a_warning(
-    folders: dict[str, Path], language: list[str], compiler: str
-) -> None:
+def test_every_compiler_takes_every_file_without_a_warning(folders, language, compiler):
     for kind in KINDS:
         done = build(folders[kind], *language, *STRICT, compiler=compiler)
         assert (done.returncode, done.stderr) == (0, ""), kind
@@ -86,18 +77,14 @@ def test_every_compiler_takes_every_file_without_a_warning(
 
 @pytest.mark.parametrize("family", size.FAMILIES)
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_family_is_one_program_without_a_warning(
-    language: list[str], family: str, tmp_path: Path
-) -> None:
+def test_every_family_is_one_program_without_a_warning(language, family, tmp_path):
     for control in {False, bool(control_file(family))}:
         (tmp_path / "all.c").write_text(size.program(family, control), encoding="utf-8")
         done = build(tmp_path, *language, *STRICT, f"-I{RUNTIME}", compiler="gcc")
         assert done.returncode == 0, done.stderr
 
 
-def test_a_machine_or_a_header_that_the_c_is_not_for_is_refused(
-    folders: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_machine_or_a_header_that_the_c_is_not_for_is_refused(folders, tmp_path):
     shutil.copytree(folders["contacts"], tmp_path / "copy")
     header = tmp_path / "copy" / "smap.h"
     other = re.sub(r"#define SMAP_VERSION \d+", "#define SMAP_VERSION 999", header.read_text())
@@ -113,9 +100,7 @@ def test_a_machine_or_a_header_that_the_c_is_not_for_is_refused(
 
 @pytest.mark.needs("avr-gcc")
 @pytest.mark.parametrize("kind", KINDS)
-def test_on_avr_everything_is_read_from_flash(
-    folders: dict[str, Path], tmp_path: Path, kind: str
-) -> None:
+def test_on_avr_everything_is_read_from_flash(folders, tmp_path, kind):
     shutil.copytree(folders[kind], tmp_path / "copy")
     name = next((tmp_path / "copy").glob("*_report.json")).name.removesuffix("_report.json")
     flags = ["-mmcu=atmega328p", "-Os", "-Wall", "-Wextra", "-Wno-unused-variable"]
@@ -143,9 +128,7 @@ def test_on_avr_everything_is_read_from_flash(
 # look
 
 
-def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(
-    folders: dict[str, Path],
-) -> None:
+def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(folders):
     for folder in folders.values():
         for path in [*folder.glob("*.[ch]"), folder / "CMakeLists.txt"]:
             text = RUNTIME_TEXT.sub("", path.read_bytes().decode("ascii"))
@@ -160,22 +143,22 @@ def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(
 
 
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
-def test_a_float_reads_back_as_the_same_single(value: float) -> None:
+def test_a_float_reads_back_as_the_same_single(value):
     text = literal(value, "float")
     assert re.fullmatch(r"-?\d+\.?\d*(e[-+]\d+)?f", text)
     assert "." in text or "e" in text
     assert np.float32(text[:-1]).tobytes() == np.float32(value).tobytes()
 
 
-@given(st.text())
-def test_no_text_can_end_a_comment_or_continue_a_line(text: str) -> None:
+@given(st.text(max_size=60))
+def test_no_text_can_end_a_comment_or_continue_a_line(text):
     shown = plain_text(text)
     assert shown.isascii()
     assert not set(re.findall(r"\*/|/\*|\\|\?\?", shown))
     assert block_comment(text).count("*/") == 1
 
 
-def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> None:
+def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path):
     export = tripod_export("odd")
     robot = replace(export.recipe, name='a */ int x;\n /* 5° \\ "quoted" ??/')
     package.write(replace(export, recipe=robot), tmp_path / "odd")
@@ -186,12 +169,11 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> N
 # contents
 
 
-def header_text(export: Export) -> str:
-    """Return NAME.h."""
+def header_text(export):
     return dict(texts(export, report(export)))[f"{export.name}.h"]
 
 
-def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> None:
+def test_the_header_says_what_a_reader_must_know(exports):
     export = exports["contacts"]
     text = header_text(export)
     for part in (
@@ -219,7 +201,7 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
         assert part in re.sub(r"[ \n*]+", " ", text), part
 
 
-def test_what_has_no_bound_or_was_not_measured_is_not_claimed() -> None:
+def test_what_has_no_bound_or_was_not_measured_is_not_claimed():
     sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
     export = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
     assert "no bound, seen: 0.5 m (40 %)" in header_text(export)
@@ -229,9 +211,7 @@ def test_what_has_no_bound_or_was_not_measured_is_not_claimed() -> None:
     assert "bytes, measured" not in text
 
 
-def test_the_integer_form_of_a_constant_is_rounded_and_clamped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path, monkeypatch):
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
     monkeypatch.setattr(Export, "body", replace(export.body, lengths=steps))
@@ -261,7 +241,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(
     assert [float(number) for number in last.split()] == pytest.approx([0.001, 0.0005], rel=1e-6)
 
 
-def test_every_parameter_has_a_macro_of_its_own() -> None:
+def test_every_parameter_has_a_macro_of_its_own():
     for first, macros in (
         ("Swing", ("TRIPOD_SWING", "TRIPOD_PARAM_1_SWING")),
         ("params", ("TRIPOD_PARAM_0_PARAMS", "TRIPOD_SWING")),
@@ -271,15 +251,13 @@ def test_every_parameter_has_a_macro_of_its_own() -> None:
         assert axis_macros(replace(tripod_export(), recipe=parse_recipe(text))) == macros
 
 
-def test_values_that_do_not_fit_their_type_are_refused() -> None:
+def test_values_that_do_not_fit_their_type_are_refused():
     for ctype, value in (("uint8_t", 256), ("int8_t", -129), ("uint16_t", 0.5), ("float", np.nan)):
         with pytest.raises(InputError, match=f"do not fit {ctype}"):
             CArray("codes", ctype, np.array([value]))
 
 
-def test_the_text_of_a_family_is_the_same_bytes_in_every_export(
-    folders: dict[str, Path], exports: dict[str, Export], tmp_path: Path
-) -> None:
+def test_the_text_of_a_family_is_the_same_bytes_in_every_export(folders, exports, tmp_path):
     package.write(coded_export("coded", "legs"), tmp_path / "coded")
     shown = [
         path.read_text() for path in (folders["contacts"] / "feet.c", tmp_path / "coded/coded.c")
@@ -299,7 +277,7 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(
 # names
 
 
-def test_a_name_that_c_cannot_have_is_refused() -> None:
+def test_a_name_that_c_cannot_have_is_refused():
     faults = {
         "no C identifier": ["", "3legs", "a-b", "größe", "a b", "a\n"],
         "underscore": ["_map", "a__b"],
@@ -317,7 +295,7 @@ def test_a_name_that_c_cannot_have_is_refused() -> None:
 
 
 @given(st.text())
-def test_any_robot_has_a_name_that_c_can_have(text: str) -> None:
+def test_any_robot_has_a_name_that_c_can_have(text):
     assert check_name(default_name(text))
     for name in ("paper_two", "Map2", "x", "x" * LONGEST):
         assert check_name(name) == default_name(name) == name

@@ -1,17 +1,14 @@
 """The certificate: honest exports pass it, and every way of cheating is found."""
 
 import functools
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import lutgen
-from firmware_export.certify.answers import Read, Reader, span_of, truth
+from firmware_export.certify.answers import Reader, span_of, truth
 from firmware_export.certify.attack import sdg_error
-from firmware_export.certify.certificate import Certificate, Effort, certify
+from firmware_export.certify.certificate import Effort, certify
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth.model import Model
@@ -22,17 +19,17 @@ from tests.fixtures.recipes import feet, rigid, rover, tripod
 TRIPOD = Model(lutgen.parse_recipe(tripod(channels=("sdg", "tip_angle", "height"))))
 ROVER = Model(lutgen.parse_recipe(rover()))
 CHANNELS = ("sdg", "tip_angle", "height")
-POINTS = 6_000
+POINTS = 4_000
 EFFORT = Effort(POINTS, 20, 25)
 GUARD = 1e-4
-# (normalised parameters (n, k), directions (n, 3), exact sdg, tip, height (n, 3)) -> answers (n, 3)
-Answer = Callable[[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[Any]]
+# An `answer` is a function of normalised parameters (n, k), directions (n, 3) and the exact sdg,
+# tip angle and height (n, 3); it returns those that are said (n, 3).
 
 
-def reader(model: Model, answer: Answer, guard: float = GUARD) -> Read:
+def reader(model, answer, guard=GUARD):
     """Return a smap_read that answers a function of the truth, less a guard."""
 
-    def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    def read(params, gravity):
         exact = model.exact(params.astype(np.float64), gravity[:, None].astype(np.float64))
         true = np.stack([exact.sdg.ravel(), exact.tip_angle.ravel(), exact.height.ravel()], 1)
         t = (params.astype(np.float64) - model.lower) / (model.upper - model.lower)
@@ -46,35 +43,31 @@ def reader(model: Model, answer: Answer, guard: float = GUARD) -> Read:
     return read
 
 
-def honest(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def honest(t, g, true):
     return true
 
 
-def certificate(
-    answer: Answer, model: Model = TRIPOD, guard: float = GUARD, **more: Any
-) -> Certificate:
-    """Certify a function of the truth."""
+def certificate(answer, model=TRIPOD, guard=GUARD, **more):
     device = Reader(model, reader(model, answer, guard))
     return certify(device, CHANNELS, effort=EFFORT, **more)
 
 
 @functools.cache
-def honest_one() -> Certificate:
-    """Certify the truth itself, once for all tests."""
+def honest_one():
     return certificate(honest)
 
 
-def corner(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def corner(t, g, true):
     near = (np.abs(t - (0.0, 1.0)) < 1e-5).all(axis=1)
     return true + np.where(near, 2.0 * GUARD, 0.0)[:, None] * [0.0, 1.0, 0.0]
 
 
-def hair(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def hair(t, g, true):
     # More than the guard by the resolution of a float32.
     return np.add(true, [0.0, GUARD + 2e-7, 0.0])
 
 
-def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
+def test_an_honest_export_passes_and_loses_only_its_guard():
     found = honest_one()
     assert found.points >= POINTS
     assert found.false_safe == 0
@@ -91,7 +84,7 @@ def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
     assert certificate(honest).as_dict() == found.as_dict()
 
 
-def test_a_relative_error_is_reported_as_what_it_is() -> None:
+def test_a_relative_error_is_reported_as_what_it_is():
     found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.02])
     sdg, height = found.channels["sdg"], found.channels["height"]
     largest = uniform(TRIPOD, POINTS, 1)
@@ -105,15 +98,15 @@ def test_a_relative_error_is_reported_as_what_it_is() -> None:
     assert height["max"] > 0.019 * np.nanmin(TRIPOD.exact(*largest).height)
 
 
-def constant(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def constant(t, g, true):
     return np.tile([0.3, 0.5, 1.0], (len(t), 1))
 
 
-def nothing(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def nothing(t, g, true):
     return np.tile([0.0, GUARD, 0.0], (len(t), 1))
 
 
-def nearest_node(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def nearest_node(t, g, true):
     node = TRIPOD.lower + np.rint(t * 8.0) / 8.0 * (TRIPOD.upper - TRIPOD.lower)
     place = np.rint(g[:, :2] / -g[:, 2:] * 8.0) / 8.0
     down = np.concatenate([place, -np.ones((len(g), 1))], axis=1)
@@ -122,7 +115,7 @@ def nearest_node(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArra
 
 
 @pytest.mark.parametrize("answer", [constant, nothing, nearest_node, corner, hair])
-def test_an_answer_that_does_not_look_is_refused(answer: Answer) -> None:
+def test_an_answer_that_does_not_look_is_refused(answer):
     found = certificate(answer)
     assert found.false_safe > 0
     assert found.witness is not None
@@ -136,12 +129,12 @@ def test_an_answer_that_does_not_look_is_refused(answer: Answer) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_no_answer_and_no_number_are_infinite_errors() -> None:
+def test_no_answer_and_no_number_are_infinite_errors():
     found = certificate(lambda t, g, true: true * 0.0 - 1.0)
     assert (found.false_safe, found.false_tip) == (0, 1.0)
     assert found.error(relative=True) == np.inf
 
-    def gap(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    def gap(t, g, true):
         return np.where((t[:, :1] < 0.01) & (np.arange(3) == 0), np.nan, true)
 
     found = certificate(gap)
@@ -149,9 +142,9 @@ def test_no_answer_and_no_number_are_infinite_errors() -> None:
     assert np.isfinite(found.channels["height"]["max"])
 
 
-def test_a_guard_that_is_too_small_in_a_spot_of_the_box_is_found_by_the_search() -> None:
+def test_a_guard_that_is_too_small_in_a_spot_of_the_box_is_found_by_the_search():
     # 0.2 % more than the guard covers, only about one posture: no point of the sample is wrong.
-    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    def answer(t, g, true):
         far = ((t - (0.371, 0.642)) ** 2).sum(axis=1) / (2.0 * 0.05**2)
         return true + [[0.0, 1.0, 0.0]] * (1.002 * GUARD * np.exp(-far))[:, None]
 
@@ -165,8 +158,8 @@ def test_a_guard_that_is_too_small_in_a_spot_of_the_box_is_found_by_the_search()
         found.refuse_false_safe("robot")
 
 
-def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
-    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+def test_the_largest_error_is_climbed_to_from_the_worst_points():
+    def answer(t, g, true):
         far = ((t - (0.333, 0.777)) ** 2).sum(axis=1) + ((g - (0.1, 0.0, -0.995)) ** 2).sum(axis=1)
         return true + [[1.0, 0.0, 0.0]] * (0.1 / (1.0 + far / 0.01**2))[:, None]
 
@@ -180,7 +173,7 @@ def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
     assert found > 0.098
 
 
-def test_the_stability_factor_jumps_where_the_support_facet_changes_and_nowhere_else() -> None:
+def test_the_stability_factor_jumps_where_the_support_facet_changes_and_nowhere_else():
     flat = rigid(feet([(1, 1, -1), (1, -1, -1), (-1, -1, -1), (-1, 1, -1)]))
     folded = feet([(2, 1, -1), (1, -1, -1.2), (-1, -1, -1), (-1, 1, -1.2)])
     folded = rigid(folded, head="rock_angle = 45.0")
@@ -190,7 +183,7 @@ def test_the_stability_factor_jumps_where_the_support_facet_changes_and_nowhere_
         assert (found.height > 0.01) == jumps
 
 
-def test_where_the_stability_factor_jumps_no_largest_error_is_claimed() -> None:
+def test_where_the_stability_factor_jumps_no_largest_error_is_claimed():
     bound = ErrorBound(0.5, relative=True)
     found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.0], ROVER, bound=bound)
     assert found.jumps
@@ -203,7 +196,7 @@ def test_where_the_stability_factor_jumps_no_largest_error_is_claimed() -> None:
     assert any("jumps" in text for text in found.text)
 
 
-def test_the_bound_is_for_the_largest_error_where_nothing_jumps() -> None:
+def test_the_bound_is_for_the_largest_error_where_nothing_jumps():
     bound = ErrorBound(0.5, relative=True)
     found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.0], bound=bound)
     assert found.error(relative=True) == found.channels["sdg"]["max_percent"]
@@ -214,7 +207,7 @@ def test_the_bound_is_for_the_largest_error_where_nothing_jumps() -> None:
     assert found.beyond == pytest.approx(share, abs=0.02)  # two samples of 10,000 points
 
 
-def test_the_truth_is_computed_at_the_query_itself() -> None:
+def test_the_truth_is_computed_at_the_query_itself():
     sample = Sample(TRIPOD.lower[None] + 0.1, np.array([[[0.6, 0.0, -0.8], [0.0, 0.1, -1.0]]]))
     single = truth(TRIPOD, sample)
     np.testing.assert_array_equal(single.sample.params, single.params.astype(np.float64))
@@ -226,10 +219,10 @@ def test_the_truth_is_computed_at_the_query_itself() -> None:
     np.testing.assert_array_equal(whole.exact.tip_angle, TRIPOD.exact(*whole.sample).tip_angle)
 
 
-def integers(model: Model, guard_q: int) -> Reader:
+def integers(model, guard_q):
     """Return an honest device without floats: sines in 1/32767, lengths in steps of 1e-4."""
 
-    def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    def read(params, gravity):
         q = model.lower + params / 32767.0 * (model.upper - model.lower)
         exact = model.exact(q, gravity[:, None].astype(np.float64))
         tip = np.floor(np.sin(exact.tip_angle[:, 0]) * 32767.0) - guard_q
@@ -243,7 +236,7 @@ def integers(model: Model, guard_q: int) -> Reader:
     return Reader(model, read, {"sdg": 1e-4, "height": 1e-4})
 
 
-def test_an_export_without_floats_is_certified_in_its_own_units() -> None:
+def test_an_export_without_floats_is_certified_in_its_own_units():
     found = certify(integers(TRIPOD, 0), CHANNELS, effort=EFFORT)
     assert found.false_safe == 0
     # Half a step, and the step itself is what a length is rounded to.
@@ -253,7 +246,7 @@ def test_an_export_without_floats_is_certified_in_its_own_units() -> None:
     assert certify(integers(TRIPOD, -1), CHANNELS, effort=EFFORT).false_safe > 0
 
 
-def test_a_height_that_changes_by_rounding_alone_has_no_range() -> None:
+def test_a_height_that_changes_by_rounding_alone_has_no_range():
     # A car on four equal wheels: its com keeps its height in every posture, but for 1e-17 m.
     points = [(x, y, -0.3) for x in (-0.4, 0.3) for y in (-0.2, 0.2)]
     model = Model(lutgen.parse_recipe(rigid(feet(points))))

@@ -2,14 +2,13 @@
 
 import subprocess
 import zlib
-from pathlib import Path
-from typing import Any
+from functools import cache
 
 import numpy as np
 import pytest
 
 from firmware_export.host import RUNTIME, Host
-from firmware_export.protocol import Blob, Export, describe
+from firmware_export.protocol import Blob, describe
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import compile_c
@@ -22,13 +21,13 @@ from tests.fixtures.tractors import tractor
 OK, CORRUPT = 0, 5
 
 
-def trained() -> Export:
+def trained():
     """Return trained tables that mean nothing, of all faces."""
     return noise("trained", Model(parse_recipe(tripod(chart="sphere"))), (2, 2, 2, 3), ("sdg",))
 
 
 # How an export is made, and the family that reads it.
-MAKERS: dict[str, tuple[Any, str]] = {
+MAKERS = {
     "contacts": (tripod_export, "points"),
     "many": (
         lambda: rover_export(text=rover().replace("upright = 90.0", "upright = 80.0")),
@@ -39,24 +38,21 @@ MAKERS: dict[str, tuple[Any, str]] = {
     "points given by code": (lambda: coded_export("coded", "legs"), "points"),
     "many given by code": (lambda: coded_export("coded", "scissors"), "search"),
     "grid": (lambda: tripod_export(codec="grid"), "tables"),
-    "grid without floats": (
-        lambda: tripod_export(codec="grid", arithmetic="integer"),
-        "tables_i",
-    ),
+    "grid without floats": (lambda: tripod_export(codec="grid", arithmetic="integer"), "tables_i"),
     "trained": (trained, "grid"),
 }
 
 
-def blob_of(name: str) -> Blob:
+def blob_of(name):
     return describe(MAKERS[name][0]())
 
 
-def changed(blob: Blob, content: bytes) -> Blob:
+def changed(blob, content):
     return Blob(content, (), blob.codec, blob.params, blob.integer)
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_every_flip_of_one_bit_and_of_two_is_noticed(name: str) -> None:
+def test_every_flip_of_one_bit_and_of_two_is_noticed(name):
     blob = blob_of(name)
     assert Host(blob).check() == OK
     bits = 8 * len(blob.bytes)
@@ -70,7 +66,7 @@ def test_every_flip_of_one_bit_and_of_two_is_noticed(name: str) -> None:
         assert Host(changed(blob, bytes(content))).check() == CORRUPT, flip
 
 
-def sealed(content: bytes) -> bytes:
+def sealed(content):
     """Return a blob with the CRC-32 that its bytes have."""
     return zlib.crc32(content[4:]).to_bytes(4, "little") + content[4:]
 
@@ -118,8 +114,25 @@ int main(int count, char **names)
 """
 
 
+@pytest.fixture(scope="module")
+def fuzzer(tmp_path_factory):
+    """Return what gives the program of a family, compiled once."""
+    # What is no number may become any whole number: that is how conversions are, and does no harm.
+    flags = ["-std=c99", "-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags += ["-Wno-unknown-pragmas", '-DSMAP_SOURCES="x"', f"-I{RUNTIME}"]
+
+    @cache
+    def of(family):
+        folder = tmp_path_factory.mktemp(family)
+        (folder / "fuzz.c").write_text(FUZZ.replace("Y FAMILY", f"Y {family}"))
+        compile_c([*flags, "fuzz.c", "-o", "fuzz"], folder)
+        return folder / "fuzz"
+
+    return of
+
+
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) -> None:
+def test_what_passes_leads_no_read_out_of_its_bounds(name, fuzzer, tmp_path):
     blob = blob_of(name)
     rng = np.random.default_rng(2)
     cases = [blob.bytes]
@@ -137,13 +150,8 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     (tmp_path / "cases").write_bytes(
         b"".join(len(one).to_bytes(4, "little") + one for one in cases)
     )
-    (tmp_path / "fuzz.c").write_text(FUZZ.replace("Y FAMILY", f"Y {MAKERS[name][1]}"))
-    # What is no number may become any whole number: that is how conversions are, and does no harm.
-    flags = ["-std=c99", "-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    flags += ["-Wno-unknown-pragmas", '-DSMAP_SOURCES="x"', f"-I{RUNTIME}"]
-    compile_c([*flags, "fuzz.c", "-o", "fuzz"], tmp_path)
     ran = subprocess.run(
-        [tmp_path / "fuzz", tmp_path / "cases"],
+        [fuzzer(MAKERS[name][1]), tmp_path / "cases"],
         capture_output=True,
         text=True,
         timeout=300,
@@ -156,7 +164,7 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     assert 1 < passed < total
 
 
-def test_a_trained_table_that_would_lead_astray_is_refused() -> None:
+def test_a_trained_table_that_would_lead_astray_is_refused():
     blob = blob_of("trained")
     for part_, shift, value in (
         *(("counts", shift, value) for shift, value in ((0, 3), (1, 0), (1, 7), (2, 2), (4, 6))),

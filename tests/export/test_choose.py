@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import MappingProxyType, SimpleNamespace
 
@@ -12,7 +12,6 @@ import lutgen
 from firmware_export import choose as chooser
 from firmware_export.choose import Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec, named, usable
-from firmware_export.protocol import Tables
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.fits import few_points
@@ -29,7 +28,7 @@ class Spec:
     bits: int = 8
 
     @property
-    def label(self) -> str:
+    def label(self):
         """Short text."""
         return f"u{self.bits} {'x'.join(map(str, self.nodes))}"
 
@@ -45,7 +44,7 @@ class Formula:
     false_safe: Callable[[Spec], int] = lambda spec: 0
     families = MappingProxyType({"float": "points"})
 
-    def sizes(self, *_: object) -> list[Spec]:
+    def sizes(self, *_):
         """Return sizes, each a node more along the axis that adds most to the error."""
         found = [Spec((3,) * len(self.weights))]
         while max(found[-1].nodes) < self.largest:
@@ -55,15 +54,15 @@ class Formula:
             found.append(Spec(tuple(nodes)))
         return found + [replace(one, bits=16) for one in found[-3:]]
 
-    def exact(self, model: object) -> bool:
+    def exact(self, model):
         """Others are tried too."""
         return False
 
-    def size(self, spec: Spec) -> int:
+    def size(self, spec):
         """Bytes of the tables."""
         return math.prod(spec.nodes) * spec.bits // 8
 
-    def error(self, spec: Spec) -> float:
+    def error(self, spec):
         """Percent."""
         fit = sum(w / (n - 1) ** 2 for w, n in zip(self.weights, spec.nodes, strict=True))
         return fit + 50.0 / 2**spec.bits
@@ -72,12 +71,12 @@ class Formula:
 class Paper(Trials):
     """Trials that measure nothing: candidates are what the formula says."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.tried, self.arithmetic = {}, "float"
         self.channels = ("sdg", "tip_angle")
         self.model = SimpleNamespace(recipe=SimpleNamespace(source="paper.toml"))
 
-    def try_out(self, codec: Formula, spec: Spec) -> Candidate:
+    def try_out(self, codec, spec):
         """Return the formula's candidate."""
         if (codec, spec) not in self.tried:
             size, error = codec.size(spec), {"sdg": codec.error(spec)}
@@ -87,18 +86,17 @@ class Paper(Trials):
         return self.tried[codec, spec]
 
 
-def best(formula: Formula, flash: int | None, percent: float | None) -> Candidate:
-    """Return the best candidate of a formula."""
+def best(formula, flash, percent):
     return choose(Paper(), [formula], Goal(flash, percent))
 
 
-def best_grid(trials: Trials, flash: int | None, percent: float | None) -> Candidate:
+def best_grid(trials, flash, percent):
     """Return the best candidate of the codec `grid` that holds the robot."""
     codecs = usable(trials.model, trials.arithmetic, "grid")
     return choose(trials, codecs, Goal(flash, percent))
 
 
-def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials() -> None:
+def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
     for percent in (20.0, 5.0, 2.0, 1.0, 0.3):
         paper, formula = Paper(), Formula()
         found = choose(paper, [formula], Goal(None, percent))
@@ -107,7 +105,7 @@ def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials() -
         assert len(paper.tried) <= 8
 
 
-def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both() -> None:
+def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both():
     codecs = [Formula("contacts", weights=(0.2, 0.05, 0.01)), Formula()]
     for order in (codecs, codecs[::-1]):
         paper = Paper()
@@ -124,7 +122,7 @@ def test_of_two_codecs_the_better_is_chosen_and_the_table_has_both() -> None:
             assert errors == sorted(errors, reverse=True)
 
 
-def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
+def test_both_limits_hold_or_the_error_names_the_nearest():
     found = best(Formula(), 10_000, 2.0)
     assert found.total <= 10_000
     assert found.error <= 2.0 / 1.3
@@ -140,7 +138,7 @@ def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
     assert "are needed for that error" in text
 
 
-def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
+def test_an_export_that_gives_up_little_goes_before_a_smaller_one():
     formula = Formula(false_tip=lambda spec: 2.0 / spec.nodes[2] ** 2)
     found = best(formula, None, 5.0)
     # At most 5 %: 7 nodes of an axis that the error alone would leave at 3.
@@ -148,7 +146,7 @@ def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
     assert found.export.tables.spec.nodes[2] >= 7
 
 
-def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen() -> None:
+def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen():
     formula = Formula(false_tip=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
     paper = Paper()
     found = choose(paper, [formula], Goal(None, 5.0))
@@ -156,7 +154,7 @@ def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen() -> None:
     assert found.false_tip == min(one.false_tip for one in holding)
 
 
-def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen() -> None:
+def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen():
     formula = Formula(false_safe=lambda spec: int(spec.bits == 8), largest=10)
     found = best(formula, None, 2.0)
     assert found.export.tables.spec.bits == 16
@@ -164,7 +162,7 @@ def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen() -> None:
         best(Formula(false_safe=lambda spec: 1), None, 2.0)
 
 
-def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
+def test_going_on_after_a_certificate_uses_what_was_tried():
     paper, formula = Paper(), Formula()
     first = choose(paper, [formula], Goal(None, 2.0))
     before = len(paper.tried)
@@ -175,7 +173,7 @@ def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
     assert finer.bytes > first.bytes
 
 
-def test_codecs_are_named_and_tried_in_order_and_refuse_with_a_reason() -> None:
+def test_codecs_are_named_and_tried_in_order_and_refuse_with_a_reason():
     model = Model(lutgen.parse_recipe(tripod()))
     assert [one.name for one in usable(model, "float")] == ["contacts", "grid"]
     assert usable(model, "float", "contacts") == named("contacts")
@@ -188,26 +186,24 @@ def test_codecs_are_named_and_tried_in_order_and_refuse_with_a_reason() -> None:
 
 
 @functools.cache
-def robot_of(text: str) -> Model:
+def robot_of(text):
     """Return the robot of a recipe, whose points are sampled once for all tests."""
     return Model(lutgen.parse_recipe(text))
 
 
 @pytest.fixture
-def wheels(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Trials]]:
+def wheels(monkeypatch):
     """Return a function that makes a bench of four wheels, one of which lifts off."""
     monkeypatch.setattr(chooser, "POINTS", 6_000)
 
-    def make(*channels: str, arithmetic: str = "integer") -> Trials:
+    def make(*channels, arithmetic="integer"):
         return Trials(robot_of(rover()), "rover", channels, arithmetic)
 
     with few_points():
         yield make
 
 
-def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(
-    wheels: Callable[..., Trials],
-) -> None:
+def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(wheels):
     bench = wheels("sdg", "tip_angle")
     found = best_grid(bench, None, 30.0)
     assert len(bench.tried) == 1
@@ -218,10 +214,8 @@ def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(
         best_grid(wheels("tip_angle"), None, 1.0)
 
 
-def test_where_no_size_can_be_encoded_the_reason_is_told_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def encode(*_: object) -> Tables:
+def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):
+    def encode(*_):
         raise InputError("tripod.toml: its region has too many pieces; choose another.")
 
     model = robot_of(tripod())

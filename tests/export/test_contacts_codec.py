@@ -4,18 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
 from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts.terms import Terms, terms_of
+from firmware_export.contacts.terms import terms_of
 from firmware_export.exporter import examine, guarded
-from firmware_export.protocol import Export, describe
+from firmware_export.protocol import describe
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
+from lutgen.recipe.recipe import load_recipe, parse_recipe
 from tests.fixtures.recipes import contact, rigid, rover, tripod
 
 OK, ROCKS = 0, 1
@@ -23,24 +22,23 @@ ROBOTS = ("paper_one", "paper_two", "three_leg_sphere", "absolem", "marv", "mark
 ALL = (*ROBOTS, "articulated")
 
 
-def recipe_of(name: str) -> Recipe:
+def recipe_of(name):
     texts = {"tripod": tripod, "rover": rover}
     return parse_recipe(texts[name]()) if name in texts else load_recipe(f"maps/{name}.toml")
 
 
-def export_of(name: str) -> Export:
+def export_of(name):
     return contacts.INFO.export(Model(recipe_of(name)), "robot", EXPORTABLE)
 
 
-def places(recipe: Recipe, count: int, seed: int) -> NDArray[np.float32]:
+def places(recipe, count, seed):
     low = np.array([p.minimum for p in recipe.parameters])
     high = np.array([p.maximum for p in recipe.parameters])
     rng = np.random.default_rng(seed)
-    params: NDArray[np.float32] = rng.uniform(low, high, (count, len(low))).astype(np.float32)
-    return params
+    return rng.uniform(low, high, (count, len(low))).astype(np.float32)
 
 
-def read(terms: Terms, params: NDArray[np.float64], contacts: int) -> NDArray[np.float64]:
+def read(terms, params, contacts):
     """Return positions (m, n, 3) and then axes as the tables have them, in float64."""
     entry = [np.ones(len(params))]
     for p, rate in terms.angles:
@@ -57,7 +55,7 @@ def read(terms: Terms, params: NDArray[np.float64], contacts: int) -> NDArray[np
 
 
 @pytest.mark.parametrize("name", [*ALL, "tripod", "rover"])
-def test_positions_are_the_robots_in_every_posture(name: str) -> None:
+def test_positions_are_the_robots_in_every_posture(name):
     recipe = recipe_of(name)
     radius, kind = radii_and_kinds(recipe)
     order = list(range(len(kind)))[::-1]
@@ -76,7 +74,7 @@ def test_positions_are_the_robots_in_every_posture(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [*ALL, "tripod", "rover"])
-def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name: str) -> None:
+def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name):
     export = export_of(name)
     model = export.model
     params = np.repeat(places(export.recipe, 400, 2), 50, axis=0)
@@ -97,7 +95,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name:
     assert np.percentile(np.abs(reading[safe, 2] - exact.height[safe, 0]), 99) < 2e-5 * size
 
 
-def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound() -> None:
+def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound():
     paper = export_of("paper_two")
     assert paper.tables.bytes == 51
     # Other points, with nothing altered, would be no proof of a larger guard.
@@ -108,7 +106,7 @@ def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound() -> None:
     assert export_of("marv").tables.terms.common
 
 
-def test_gravity_of_any_length_gives_the_same_answer() -> None:
+def test_gravity_of_any_length_gives_the_same_answer():
     export = export_of("absolem")
     params = np.repeat(places(export.recipe, 1, 5), 7, axis=0)
     gravity = np.array([[0.1, 0.05, -1.0]]) * (2.0 ** np.arange(-60, 80, 20))[:, None]
@@ -118,10 +116,10 @@ def test_gravity_of_any_length_gives_the_same_answer() -> None:
 
 
 @pytest.mark.parametrize("axle", [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.6, -0.8, 0.0)])
-def test_axles_may_point_either_way(axle: tuple[float, float, float]) -> None:
+def test_axles_may_point_either_way(axle):
     # The importer gives every cylinder of a description that is turned a quarter about x the axle
     # -y: the frame of such rails was turned and not turned back, and whole cars were refused.
-    def blob(sign: float) -> tuple[Export, bytes]:
+    def blob(sign):
         text = rigid(
             "".join(
                 contact(f"wheel{k}{s}", (x, s * y, -0.3), 0.1, tuple(sign * a for a in axle))
@@ -147,12 +145,12 @@ def test_axles_may_point_either_way(axle: tuple[float, float, float]) -> None:
     assert safe[tip > 3e-4].mean() > 0.99
 
 
-def test_a_guard_that_is_too_small_is_made_as_large_as_points_need() -> None:
+def test_a_guard_that_is_too_small_is_made_as_large_as_points_need():
     # Tables of a robot whose com is a little further ahead say too much of tipping backwards.
     export = export_of("rover")
     trials = Trials(export.model, "rover", EXPORTABLE, "float")
 
-    def told_by(ahead: float) -> Export:
+    def told_by(ahead):
         other = Model(parse_recipe(rover(ahead=ahead)))
         return replace(export, tables=contacts.INFO.encode(other, EXPORTABLE, contacts.Spec()))
 

@@ -1,22 +1,16 @@
 """From a recipe or a map to a folder: what is asked for is what comes out, certified."""
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 import firmware_export
 import lutgen
 from firmware_export import exporter
-from firmware_export.certify.certificate import Certificate
-from firmware_export.exporter import Report
 from firmware_export.grid import lookup
-from firmware_export.grid.lookup import Tables
-from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
+from tests.fixtures.fits import few_points, untried
 from tests.fixtures.programs import contents
 from tests.fixtures.recipes import contact, feet, rigid, tripod
 
@@ -26,13 +20,19 @@ RECIPE = lutgen.parse_recipe(TEXT)
 POINTS = 4000
 
 
-def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
+@pytest.fixture(autouse=True)
+def quick():
+    with few_points(), untried():
+        yield
+
+
+def run(directory, source=RECIPE, **more):
     """Export with a short certificate; `contacts` has one size, `grid` many."""
-    options: dict[str, Any] = {"codec": "contacts", "points": POINTS} | more
+    options = {"codec": "contacts", "points": POINTS} | more
     return firmware_export.export(source, directory, **options)
 
 
-def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path: Path) -> None:
+def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path):
     found = run(tmp_path / "out", max_error="1%")
     names = set(contents(tmp_path / "out"))
     own = {"tripod.h", "tripod.c", "examples/read.c", "examples/alarm.c"}
@@ -48,14 +48,10 @@ def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path: Path) -> Non
     assert found["points"] >= POINTS
 
 
-def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path: Path) -> None:
+def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path):
     (tmp_path / "robot.toml").write_text(TEXT)
     lutgen.sweep(RECIPE, tmp_path / "robot.h5")
-    sources = (
-        RECIPE,
-        str(tmp_path / "robot.toml"),
-        lutgen.load_map(tmp_path / "robot.h5"),
-    )
+    sources = (RECIPE, str(tmp_path / "robot.toml"), lutgen.load_map(tmp_path / "robot.h5"))
     folders = [tmp_path / f"out{i}" for i in range(len(sources))]
     for folder, source in zip(folders, sources, strict=True):
         run(folder, source, max_error="2%")
@@ -64,7 +60,7 @@ def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path:
         assert contents(folder) == first
 
 
-def test_an_error_in_the_length_unit_is_kept(tmp_path: Path) -> None:
+def test_an_error_in_the_length_unit_is_kept(tmp_path):
     relative = run(tmp_path / "a", codec="grid", max_error="0.5%")
     span = relative["certificate"]["channels"]["sdg"]["range"]
     absolute = run(tmp_path / "b", codec="grid", max_error=0.005 * span)
@@ -73,15 +69,13 @@ def test_an_error_in_the_length_unit_is_kept(tmp_path: Path) -> None:
     assert absolute["certificate"]["bound"] == f"{0.005 * span:g}"
 
 
-def test_a_smaller_error_takes_more_bytes_and_flash_gives_the_most_accurate_that_fits(
-    tmp_path: Path,
-) -> None:
+def test_a_smaller_error_takes_more_bytes_and_flash_gives_the_most_accurate_that_fits(tmp_path):
     coarse, fine = (run(tmp_path / name, codec="grid", max_error=name) for name in ("2%", "0.05%"))
     assert coarse.table_bytes < fine.table_bytes
-    assert fine.error <= 0.05 < coarse.error  # type: ignore[operator]
+    assert fine.error <= 0.05 < coarse.error
     fitting = run(tmp_path / "fitting", codec="grid", flash=coarse.bytes + 100)
-    assert fitting.bytes <= coarse.bytes + 100  # type: ignore[operator]
-    assert fitting.error < coarse.error  # type: ignore[operator]
+    assert fitting.bytes <= coarse.bytes + 100
+    assert fitting.error < coarse.error
     # All smaller ones are too inaccurate, by the chooser's own measure and its margin.
     rows = fine["pareto"]
     (chosen,) = (row for row in rows if row["chosen"])
@@ -91,9 +85,7 @@ def test_a_smaller_error_takes_more_bytes_and_flash_gives_the_most_accurate_that
     assert all(max(row["errors"].values()) > 0.05 / 1.3 for row in smaller)
 
 
-def test_without_limits_the_recipes_are_used_and_without_those_one_percent(
-    tmp_path: Path,
-) -> None:
+def test_without_limits_the_recipes_are_used_and_without_those_one_percent(tmp_path):
     default = run(tmp_path / "a")
     assert default["certificate"]["bound"] == "1 %"
     text = TEXT + '[export]\nmax_error = "3%"\n'
@@ -104,7 +96,7 @@ def test_without_limits_the_recipes_are_used_and_without_those_one_percent(
     assert given["certificate"]["bound"] == "2 %"
 
 
-def test_a_limit_that_nothing_meets_is_refused_and_nothing_is_written(tmp_path: Path) -> None:
+def test_a_limit_that_nothing_meets_is_refused_and_nothing_is_written(tmp_path):
     for limits in ({"flash": 10}, {"max_error": "1e-9%"}, {"flash": 10, "max_error": "1%"}):
         with pytest.raises(ExportError, match="nearest that can be had") as caught:
             run(tmp_path / "out", **limits)
@@ -112,9 +104,7 @@ def test_a_limit_that_nothing_meets_is_refused_and_nothing_is_written(tmp_path: 
         assert list(tmp_path.iterdir()) == []
 
 
-def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(
-    tmp_path: Path,
-) -> None:
+def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(tmp_path):
     assert list(run(tmp_path / "all", max_error="2%")["channels"]) == list(ALL)
     only = run(tmp_path / "sdg", channels=["sdg"], max_error="2%")
     assert list(only["channels"]) == ["sdg", "tip_angle"]
@@ -124,7 +114,7 @@ def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(
     assert list(verdict["channels"]) == ["tip_angle"]
 
 
-def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
+def test_what_means_nothing_is_refused_in_a_sentence(tmp_path):
     two = lutgen.parse_recipe(tripod(nodes=5))
     for options, error, words in (
         ({"codec": "zip"}, InputError, "codec: 'zip' is unknown"),
@@ -136,7 +126,7 @@ def test_what_means_nothing_is_refused_in_a_sentence(tmp_path: Path) -> None:
         ({"source": two, "channels": ["speed"]}, InputError, "'speed' cannot be exported"),
     ):
         with pytest.raises(error, match=words) as caught:
-            run(tmp_path / "out", **options)  # type: ignore[arg-type]
+            run(tmp_path / "out", **options)
         assert "\n" not in str(caught.value)
         assert list(tmp_path.iterdir()) == []
 
@@ -153,9 +143,7 @@ def postures(q):
 """
 
 
-def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(
-    tmp_path: Path,
-) -> None:
+def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(tmp_path):
     (tmp_path / "plugin_export.py").write_text(PLUGIN)
     head = '[robot]\nname = "plugin"\nlength_unit = "m"\npython = "plugin_export:postures"\n'
     parameter = '[[robot.parameter]]\nname = "reach"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
@@ -174,28 +162,24 @@ def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(
 
 
 @pytest.fixture
-def tampered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Tables], Tables]], None]:
+def tampered(monkeypatch):
     """Return a function that makes `grid` encode something else than it should."""
 
-    def tamper(change: Callable[[Tables], Tables]) -> None:
+    def tamper(change):
         encode = lookup.INFO.encode
         monkeypatch.setattr(lookup.INFO, "encode", lambda *given: change(encode(*given)))
 
     return tamper
 
 
-def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(
-    tmp_path: Path, tampered: Callable[[Callable[[Tables], Tables]], None]
-) -> None:
+def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(tmp_path, tampered):
     tampered(lambda tables: replace(tables, guard=0.0))
     with pytest.raises(ExportError, match="guard"):
         run(tmp_path / "out", codec="grid", max_error="2%")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_export_that_calls_most_of_what_stands_unsafe_is_refused(
-    tmp_path: Path, tampered: Callable[[Callable[[Tables], Tables]], None]
-) -> None:
+def test_an_export_that_calls_most_of_what_stands_unsafe_is_refused(tmp_path, tampered):
     tampered(lambda tables: replace(tables, guard=0.3))
     with pytest.raises(ExportError, match=r"too much of what stands as unsafe.*more than 25 %"):
         run(tmp_path / "out", codec="grid", flash="4KiB")
@@ -206,7 +190,7 @@ IN_A_ROW = "".join(contact(f"W{x}", (x, 0.0, -0.5), 0.1, (0, 1, 0)) for x in (-1
 ABOVE = feet(((1, 1, 0.5), (-1, 1, 0.5), (0, -1, 0.5)))
 
 
-def test_a_robot_that_never_stands_is_refused_by_what_its_contacts_are(tmp_path: Path) -> None:
+def test_a_robot_that_never_stands_is_refused_by_what_its_contacts_are(tmp_path):
     for contacts, codec, arithmetic in (
         (ABOVE, "contacts", "float"),
         (IN_A_ROW, "grid", "integer"),
@@ -218,12 +202,12 @@ def test_a_robot_that_never_stands_is_refused_by_what_its_contacts_are(tmp_path:
 
 
 def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_certificate(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    examined: list[Certificate] = []
+    tmp_path, monkeypatch
+):
+    examined = []
     examine = exporter.examine
 
-    def noted(export: Export, *given: Any) -> Certificate:
+    def noted(export, *given):
         # As if the bound had been computed too small, behind the chooser's back.
         found = examine(replace(export, tables=replace(export.tables, guard=0.0)), *given)
         examined.append(found)
@@ -236,12 +220,10 @@ def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_c
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(tmp_path, monkeypatch):
     examine, seen = exporter.examine, []
 
-    def pessimist(export: Export, *given: Any) -> Certificate:
+    def pessimist(export, *given):
         found = examine(export, *given)
         seen.append(export.tables.bytes)
         sdg = found.channels["sdg"]

@@ -1,7 +1,6 @@
 """Robots that cannot change their shape: what holds them compiles clean and answers."""
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from tests.fixtures.recipes import contact, rigid
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs cc")
 CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
-SAFE = (0, 4)
+SAFE = (0, 1)
 # Of three contacts as `grid` some level gave warnings; four did not export as `grid` at all.
 KINDS = [
     *((3, codec, "float") for codec in ("contacts", "grid")),
@@ -29,8 +28,8 @@ KINDS = [
 
 @pytest.mark.parametrize(("count", "codec", "arithmetic"), KINDS)
 def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
-    tmp_path: Path, count: int, codec: str, arithmetic: str
-) -> None:
+    tmp_path, count, codec, arithmetic
+):
     text = rigid("".join(contact(f"P{i}", p) for i, p in enumerate(CORNERS[:count])))
     model = Model(parse_recipe(text))
     one = usable(model, arithmetic, codec)[0]
@@ -39,7 +38,7 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
     package.write(export, tmp_path / "rigid")
 
     # Many contacts take a compiler seconds.
-    for level in ("-O2", "-Os") if count > 3 else ("-O0", "-O1", "-O2", "-O3", "-Os"):
+    for level in ("-Os",) if count > 3 else ("-O0", "-O3", "-Os"):
         words = [*STRICT, level, "-std=c99", "-ffp-contract=off", "-I."]
         compile_c([*words, "-c", "rigid.c", "-o", "rigid.o"], tmp_path / "rigid")
 

@@ -1,25 +1,21 @@
 """The codec `grid`: positions of three contacts looked up, and trained tables of more contacts."""
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numba
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import put_to_test
 from firmware_export.exporter import Asked, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
-from firmware_export.grid.table import Tables
 from firmware_export.grid.train import Lattice, Points, lower, read
 from firmware_export.host import in_units
-from firmware_export.protocol import Export
 from firmware_export.truth import biased, uniform
-from firmware_export.truth.model import Exact, Model
+from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
@@ -31,18 +27,17 @@ OK, TIPS, OFF_CHART = 0, 2, 3
 
 
 @pytest.fixture(scope="module")
-def model() -> Model:
+def model():
     return Model(load_recipe("maps/paper_two.toml"))
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_samples() -> Iterator[None]:
-    """Train on few points."""
+def small_samples():
     with few_points():
         yield
 
 
-def places(model: Model, count: int, seed: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def places(model, count, seed):
     """Return params and gravity, a third of the coordinates at an end."""
     rng = np.random.default_rng(seed)
     x = rng.random((count, model.k + 2))
@@ -53,19 +48,19 @@ def places(model: Model, count: int, seed: int) -> tuple[NDArray[np.float32], ND
     return params.astype(np.float32), gravity.astype(np.float32)
 
 
-def truth(model: Model, params: NDArray[np.float32], gravity: NDArray[np.float32]) -> Exact:
+def truth(model, params, gravity):
     return model.exact(params.astype(np.float64), gravity[:, None].astype(np.float64))
 
 
 @pytest.fixture(scope="module", params=["float", "integer"])
-def looked_up(request: pytest.FixtureRequest, model: Model) -> Export:
+def looked_up(request, model):
     spec = lookup.Spec(16, ((1, 7), (7, 1), (1, 1)))
     return lookup.INFO.export(model, "two", EXPORTABLE, request.param, spec)
 
 
 def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in_every_direction(
-    model: Model, looked_up: Export
-) -> None:
+    model, looked_up
+):
     params, gravity = places(model, 40_000, 3)
     if looked_up.integer:
         share = (params - model.lower) / (model.upper - model.lower)
@@ -92,9 +87,7 @@ def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in
     assert looked_up.tables.bytes < 100
 
 
-def test_sizes_grow_along_one_parameter_at_a_time_and_are_read_from_their_labels(
-    model: Model,
-) -> None:
+def test_sizes_grow_along_one_parameter_at_a_time_and_are_read_from_their_labels(model):
     sizes = lookup.INFO.sizes(model)
     assert [spec.bits for spec in sizes] == sorted(spec.bits for spec in sizes)
     assert {spec.bits for spec in sizes} == {8, 16}
@@ -107,9 +100,7 @@ def test_sizes_grow_along_one_parameter_at_a_time_and_are_read_from_their_labels
     assert lookup.INFO.encode(model, EXPORTABLE, sizes[3]).spec == sizes[3]
 
 
-def looked_up_in(
-    tables: Tables, q: NDArray[np.int64], gravity: NDArray[np.int64], faces: int, limit: float
-) -> list[tuple[int, int, int]]:
+def looked_up_in(tables, q, gravity, faces, limit):
     """Return status, tip and sdg of queries: written from docs/reference/format.md."""
     ground, fold = tables.ground, tables.ground.fold
     answers = []
@@ -161,7 +152,7 @@ def looked_up_in(
 
 
 @pytest.mark.parametrize("robot", ["cone", "sphere", "fixed", "turning and folded"])
-def test_the_c_reads_a_table_as_its_format_says(robot: str) -> None:
+def test_the_c_reads_a_table_as_its_format_says(robot):
     texts = {"cone": tripod(), "sphere": tripod(chart="sphere"), "fixed": square()}
     model = Model(parse_recipe(texts[robot]) if robot in texts else load_recipe("recipe:excavator"))
     export = noise("noise", model, (4, 3, 5, 6, 7)[-2 - model.k :], ("sdg",))
@@ -183,13 +174,13 @@ def test_the_c_reads_a_table_as_its_format_says(robot: str) -> None:
     assert len(np.unique(reading[status == OK, 1])) > 300
 
 
-def square(**sweep: object) -> str:
+def square(**sweep):
     """Return a robot of fixed shape on four points."""
     corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
     return rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners)), **sweep)
 
 
-def test_left_is_right_of_the_mirrored_posture_where_the_robot_is_symmetric() -> None:
+def test_left_is_right_of_the_mirrored_posture_where_the_robot_is_symmetric():
     folds = {"excavator": (True, False, False), "markhor": (False,) * 2, "articulated": (True,) * 2}
     for name, over in folds.items():
         model = Model(load_recipe(f"recipe:{name}"))
@@ -209,7 +200,7 @@ def test_left_is_right_of_the_mirrored_posture_where_the_robot_is_symmetric() ->
     assert ground_of(Model(load_recipe("recipe:absolem"))).fold is None
 
 
-def test_a_full_turn_of_a_joint_reads_the_same() -> None:
+def test_a_full_turn_of_a_joint_reads_the_same():
     model = Model(load_recipe("recipe:excavator"))
     assert ground_of(model).rounds == (True, False, False)
     rng = np.random.default_rng(4)
@@ -224,7 +215,7 @@ def test_a_full_turn_of_a_joint_reads_the_same() -> None:
     assert (np.abs(first[1] - other[1])[:, 1] > 400).mean() > 0.1
 
 
-def test_lowered_codes_read_no_point_above_its_truth() -> None:
+def test_lowered_codes_read_no_point_above_its_truth():
     rng = np.random.default_rng(5)
     knots = np.tile(np.linspace(0, 65535, 6, dtype=np.float32), (3, 1))
     lattice = Lattice(np.array([6, 5, 6]), np.array([5, 5, 5]), knots)
@@ -242,14 +233,14 @@ def test_lowered_codes_read_no_point_above_its_truth() -> None:
         assert not whole or (values == np.rint(values)).all()
 
 
-def trained(text: str, nodes: int, channels: tuple[str, ...] = ("sdg", "tip_angle")) -> Export:
+def trained(text, nodes, channels=("sdg", "tip_angle")):
     model = Model(parse_recipe(text))
     spec = table.Spec(fit.learn(model).shape(nodes))
     return table.INFO.export(model, "robot", channels, "integer", spec)
 
 
 @pytest.mark.parametrize("chart", ["cone", "sphere"])
-def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart: str) -> None:
+def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart):
     asked = Asked(flash="8kB", codec="grid", arithmetic="integer", points=2_000)
     export = certified(parse_recipe(rover(chart=chart)), asked)
     reader, certificate = device(export), export.certificate
@@ -275,7 +266,7 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart: st
     assert np.sqrt(np.mean(error * error)) < 0.5 * spread
 
 
-def test_what_a_test_finds_falsely_safe_is_lowered() -> None:
+def test_what_a_test_finds_falsely_safe_is_lowered():
     export = trained(rover(), 1_000, ("tip_angle",))
     reckless = replace(export.tables, codes=np.full_like(export.tables.codes, 120))
     wrong = put_to_test(device(replace(export, tables=reckless)), export.channels, None, 500, 9)
@@ -286,7 +277,7 @@ def test_what_a_test_finds_falsely_safe_is_lowered() -> None:
     assert again.false_safe < 0.02 * wrong.false_safe
 
 
-def test_codes_are_the_same_for_any_number_of_threads() -> None:
+def test_codes_are_the_same_for_any_number_of_threads():
     codes = []
     for threads in (1, 2):
         numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
@@ -296,13 +287,13 @@ def test_codes_are_the_same_for_any_number_of_threads() -> None:
     np.testing.assert_array_equal(codes[0], codes[1])
 
 
-def test_a_robot_that_no_table_can_tell_is_refused_with_a_word_on_contacts() -> None:
+def test_a_robot_that_no_table_can_tell_is_refused_with_a_word_on_contacts():
     model = Model(load_recipe("recipe:marv"))
     with pytest.raises(ExportError, match=r"of what stands unsafe.* codec contacts"):
         table.INFO.encode(model, ("tip_angle",), table.Spec((4, 4, 4, 4, 5, 4)))
 
 
-def test_bytes_and_labels_tell_the_size() -> None:
+def test_bytes_and_labels_tell_the_size():
     export = noise("noise", Model(parse_recipe(tripod())), (4, 5, 6, 7), ("sdg",))
     body = export.tables.body(True)
     assert export.tables.bytes == sum(one.bytes for one in body.arrays if one.table)

@@ -3,7 +3,6 @@
 import csv
 import json
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from firmware_export.certify.answers import device
 from firmware_export.device import ExportFolder
 from firmware_export.emit import load_report, package
 from firmware_export.host import Host, library
-from firmware_export.protocol import Blob, describe, restored
+from firmware_export.protocol import describe, restored
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.compiled import HostLibrary
 from tests.fixtures.exports import rover_export, tripod_export
@@ -23,7 +22,7 @@ POINT = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
 
 
 @pytest.fixture(scope="module")
-def content() -> Blob:
+def content():
     export = tripod_export()
     return describe(export)
 
@@ -32,14 +31,14 @@ def content() -> Blob:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_answers_are_the_frozen_ones(name: str) -> None:
+def test_the_answers_are_the_frozen_ones(name):
     held = json.loads((PLACE / f"{name}.json").read_text())
     with (PLACE / f"{name}.csv").open(newline="") as file:
         head, *known = csv.reader(file)
     assert tuple(head) == HEAD
     integer = held["integer"]
 
-    def numbers(text: str) -> list[int]:
+    def numbers(text):
         return [int(word, 10 if integer else 16) for word in text.split()]
 
     asked = [np.array([numbers(row[at]) for row in known]) for at in (0, 1)]
@@ -55,13 +54,11 @@ def test_the_answers_are_the_frozen_ones(name: str) -> None:
     assert {0, 2, 6} <= set(status.tolist())
 
 
-def test_the_frozen_maps_are_of_every_codec_and_arithmetic() -> None:
+def test_the_frozen_maps_are_of_every_codec_and_arithmetic():
     assert sorted(export.name for export in exports()) == NAMES
 
 
-def test_many_queries_are_answered_in_order_whatever_the_threads(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_many_queries_are_answered_in_order_whatever_the_threads(monkeypatch):
     read = device(tripod_export()).read
     rng = np.random.default_rng(1)
     params, gravity = rng.random((50_001, 2)), rng.normal(size=(50_001, 3)) - [0, 0, 2]
@@ -77,7 +74,7 @@ def test_many_queries_are_answered_in_order_whatever_the_threads(
 
 
 @pytest.mark.parametrize("way", ["read", "read_i"])
-def test_queries_of_one_posture_are_answered_as_if_each_came_alone(way: str) -> None:
+def test_queries_of_one_posture_are_answered_as_if_each_came_alone(way):
     export, rng = rover_export(), np.random.default_rng(4)
     host, model = Host(describe(export)), export.model
     whole = way == "read_i"
@@ -96,7 +93,7 @@ def test_queries_of_one_posture_are_answered_as_if_each_came_alone(way: str) -> 
         assert reading[name].tobytes() == b"".join(one[1][name].tobytes() for one in alone), name
 
 
-def test_queries_of_another_shape_are_refused(content: Blob) -> None:
+def test_queries_of_another_shape_are_refused(content):
     host = Host(content)
     for params, gravity in (
         ([[0.1]], [[0, 0, -1]]),
@@ -112,7 +109,7 @@ def test_queries_of_another_shape_are_refused(content: Blob) -> None:
 
 
 @pytest.fixture
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def elsewhere(tmp_path, monkeypatch):
     """Return a copy of the runtime's folder that is used instead of it."""
     place = shutil.copytree(library.RUNTIME, tmp_path / "runtime")
     monkeypatch.setattr(library, "RUNTIME", place)
@@ -120,14 +117,14 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return place
 
 
-def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere: Path) -> None:
+def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere):
     for path in elsewhere.glob("_host*"):
         path.unlink()
     with pytest.raises(ExportError, match=r"install a C compiler, then lutgen again"):
         library.load_library()
 
 
-def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
+def test_a_library_of_other_sources_is_refused(elsewhere):
     assert library.load_library().smap_points_host_sources()
     path = elsewhere / "smap_three.h"
     path.write_text(path.read_text() + "\n/* changed */\n")
@@ -139,13 +136,12 @@ def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """Return the folder of a small export."""
+def folder(tmp_path):
     package.write(tripod_export("feet"), tmp_path / "feet")
     return tmp_path / "feet"
 
 
-def test_a_folder_is_read_without_a_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_is_read_without_a_compiler(folder, monkeypatch):
     status, reading = HostLibrary(folder).read(*POINT)
     monkeypatch.setenv("PATH", "")
     monkeypatch.setenv("CC", "no-such-compiler")
@@ -154,7 +150,7 @@ def test_a_folder_is_read_without_a_compiler(folder: Path, monkeypatch: pytest.M
     assert found[1].tobytes() == reading.tobytes()
 
 
-def test_a_folder_whose_c_file_was_changed_is_refused(folder: Path) -> None:
+def test_a_folder_whose_c_file_was_changed_is_refused(folder):
     path = folder / "feet.c"
     path.write_text(path.read_text().replace("SMAP_SERIES 0", "SMAP_SERIES 1", 1))
     with pytest.raises(InputError, match=r"feet\.c: is not the file that was exported"):
@@ -164,7 +160,7 @@ def test_a_folder_whose_c_file_was_changed_is_refused(folder: Path) -> None:
         ExportFolder(folder)
 
 
-def test_a_folder_with_damaged_tables_or_without_any_is_refused(folder: Path) -> None:
+def test_a_folder_with_damaged_tables_or_without_any_is_refused(folder):
     report = load_report(folder)
     tables = report["tables"]
     for damage in ({"blob": 3}, {"blob": "AAAAAAAA"}, {"codec": "first"}, None):

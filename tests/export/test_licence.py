@@ -1,7 +1,5 @@
 """The licence: in every file of C, and whole in every export."""
 
-from pathlib import Path
-
 from firmware_export.emit import package
 from tests.fixtures.exports import tripod_export
 from tests.fixtures.places import ROOT
@@ -15,17 +13,17 @@ SOURCES = sorted(
 )
 
 
-def on_top(text: str) -> list[str]:
+def on_top(text):
     """Return the first two lines of a file without the marks of a comment."""
     return [line.strip("/*# ") for line in text.splitlines()[:2]]
 
 
-def test_every_file_of_c_says_its_licence() -> None:
+def test_every_file_of_c_says_its_licence():
     assert SOURCES
     assert [path for path in SOURCES if on_top(path.read_text(encoding="utf-8")) != LINES] == []
 
 
-def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(tmp_path: Path) -> None:
+def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(tmp_path):
     package.write(tripod_export("feet"), tmp_path / "out")
     texts = {path.name: path for path in (tmp_path / "out").rglob("*")}
     for name in (

@@ -3,7 +3,6 @@
 import errno
 import os
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 
 from firmware_export.emit import package, size
 from firmware_export.emit.render import texts
-from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
 from tests.fixtures.programs import contents, run
@@ -27,16 +25,15 @@ NAMES = {
 
 
 @pytest.fixture(scope="module")
-def export() -> Export:
-    """Return a small export."""
+def export():
     return tripod_export("feet")
 
 
-def full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+def full_disk(monkeypatch, after):
     """Let the disk be full once this many files are written."""
     write, count = Path.write_bytes, [0]
 
-    def write_bytes(self: Path, data: bytes) -> int:
+    def write_bytes(self, data):
         count[0] += 1
         if count[0] > after:
             write(self, data[: len(data) // 2])
@@ -49,9 +46,7 @@ def full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
 # contents
 
 
-def test_the_folder_holds_these_files_and_its_report_lists_them(
-    export: Export, tmp_path: Path
-) -> None:
+def test_the_folder_holds_these_files_and_its_report_lists_them(export, tmp_path):
     content = package.write(export, tmp_path / "out")
     assert set(contents(tmp_path / "out")) == NAMES
     assert set(content["files"]) == NAMES
@@ -66,7 +61,7 @@ def test_the_folder_holds_these_files_and_its_report_lists_them(
     assert (tmp_path / "out").stat().st_mode == (tmp_path / "another").stat().st_mode
 
 
-def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) -> None:
+def test_the_report_has_what_a_program_asks_for(export, tmp_path):
     content = package.write(export, tmp_path / "out")
     assert content["codec"] == "contacts"
     assert content["recipe_sha256"] == export.recipe.digest
@@ -90,9 +85,7 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
     assert content["pareto"] == PARETO
 
 
-def test_the_page_says_how_large_exact_safe_and_fast_it_is_and_how_to_call_it(
-    export: Export, tmp_path: Path
-) -> None:
+def test_the_page_says_how_large_exact_safe_and_fast_it_is_and_how_to_call_it(export, tmp_path):
     content = package.write(export, tmp_path / "out")
     page = (tmp_path / "out" / "feet_report.md").read_text()
     total = content["bytes"]["total"]
@@ -122,9 +115,7 @@ def test_the_page_says_how_large_exact_safe_and_fast_it_is_and_how_to_call_it(
         (rover_export, "lift  "),
     ],
 )
-def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
-    make: Callable[..., Export], first: str, tmp_path: Path
-) -> None:
+def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(make, first, tmp_path):
     export = make("robot")
     package.write(export, tmp_path / "out")
     run(tmp_path / "out", "sh", "-c", "cc -std=c99 -I. *.c examples/read.c -o ../example")
@@ -144,7 +135,7 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
     assert values["tip_angle"][1] == "deg"
 
 
-def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: Path) -> None:
+def test_names_of_a_recipe_are_no_markup_on_the_page(export, tmp_path):
     content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
     text = dict(texts(export, content))["feet_report.md"]
     assert "<script" not in text
@@ -154,9 +145,7 @@ def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: P
 # replacing
 
 
-def test_the_export_of_another_robot_is_replaced_by_force_alone(
-    export: Export, tmp_path: Path
-) -> None:
+def test_the_export_of_another_robot_is_replaced_by_force_alone(export, tmp_path):
     package.write(rover_export("old"), tmp_path / "out")
     before = contents(tmp_path / "out")
     with pytest.raises(InputError, match=r"of the robot 'rover' \(got 'tripod'\).*--force"):
@@ -170,9 +159,7 @@ def test_the_export_of_another_robot_is_replaced_by_force_alone(
     assert set(contents(tmp_path / "out")) == NAMES
 
 
-def test_a_folder_with_foreign_content_is_refused_and_left_alone(
-    export: Export, tmp_path: Path
-) -> None:
+def test_a_folder_with_foreign_content_is_refused_and_left_alone(export, tmp_path):
     for number, foreign in enumerate(["notes.txt", "main.c", ".hidden", "sub"]):
         out = tmp_path / str(number)
         package.write(export, out)
@@ -184,9 +171,7 @@ def test_a_folder_with_foreign_content_is_refused_and_left_alone(
         assert (out / foreign).exists()
 
 
-def test_an_export_that_was_edited_is_replaced_with_force_alone(
-    export: Export, tmp_path: Path
-) -> None:
+def test_an_export_that_was_edited_is_replaced_with_force_alone(export, tmp_path):
     package.write(export, tmp_path / "out")
     before = contents(tmp_path / "out")
     config = tmp_path / "out" / "smap.h"
@@ -198,7 +183,7 @@ def test_an_export_that_was_edited_is_replaced_with_force_alone(
     assert contents(tmp_path / "out") == before
 
 
-def test_force_leaves_what_has_no_name_of_an_export(export: Export, tmp_path: Path) -> None:
+def test_force_leaves_what_has_no_name_of_an_export(export, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "feet.c").write_text("mine")
     package.write(rover_export("old"), tmp_path, force=True)
@@ -208,9 +193,7 @@ def test_force_leaves_what_has_no_name_of_an_export(export: Export, tmp_path: Pa
 
 
 @pytest.mark.parametrize("link", ["", "examples", "feet.h"])
-def test_a_link_in_the_place_of_an_export_is_never_followed(
-    export: Export, tmp_path: Path, link: str
-) -> None:
+def test_a_link_in_the_place_of_an_export_is_never_followed(export, tmp_path, link):
     victim, out = tmp_path / "victim", tmp_path / "out"
     victim.mkdir()
     if link:
@@ -223,7 +206,7 @@ def test_a_link_in_the_place_of_an_export_is_never_followed(
     assert list(victim.iterdir()) == []
 
 
-def test_a_file_or_a_missing_place_is_refused(export: Export, tmp_path: Path) -> None:
+def test_a_file_or_a_missing_place_is_refused(export, tmp_path):
     (tmp_path / "file").write_text("mine")
     for place, fault in (("file", "is no folder"), ("no/such", "does not exist")):
         with pytest.raises(InputError, match=fault):
@@ -234,8 +217,8 @@ def test_a_file_or_a_missing_place_is_refused(export: Export, tmp_path: Path) ->
 
 @pytest.mark.parametrize("after", [0, 3, 11])
 def test_a_full_disk_leaves_nothing_behind_and_an_earlier_export_as_it_was(
-    export: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
-) -> None:
+    export, tmp_path, monkeypatch, after
+):
     package.write(replace(export, certificate=None), tmp_path / "old")
     before = contents(tmp_path / "old")
     for place in ("old", "new"):
@@ -250,7 +233,7 @@ def test_a_full_disk_leaves_nothing_behind_and_an_earlier_export_as_it_was(
 # reading a report back
 
 
-def test_a_damaged_report_is_one_sentence(export: Export, tmp_path: Path) -> None:
+def test_a_damaged_report_is_one_sentence(export, tmp_path):
     package.write(export, tmp_path / "out")
     path = tmp_path / "out" / "feet_report.json"
     text = path.read_text()

@@ -3,8 +3,6 @@
 import math
 import platform
 import subprocess
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,16 +10,15 @@ import pytest
 from firmware_export.contacts import INFO
 from firmware_export.emit import package
 from firmware_export.host.reader import READING
-from firmware_export.protocol import Export
 from firmware_export.truth import Model, slack
-from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
+from lutgen.recipe import forward, load_recipe, parse_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.exports import host_of, rover_export, tripod_export
 from tests.fixtures.queries import ODD
 from tests.fixtures.recipes import contact, rigid
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
-MAKERS: dict[str, Any] = {
+MAKERS = {
     "contacts": tripod_export,
     "many": rover_export,
     "grid": lambda: tripod_export(codec="grid"),
@@ -83,7 +80,7 @@ int main(void)
 """
 
 
-def some(export: Export, count: int, seed: int = 0) -> tuple[Any, Any]:
+def some(export, count, seed=0):
     rng, model = np.random.default_rng(seed), export.model
     params = model.at(rng.random((count, model.k))).astype(np.float32)
     gravity = rng.normal(size=(count, 3)).astype(np.float32)
@@ -91,7 +88,7 @@ def some(export: Export, count: int, seed: int = 0) -> tuple[Any, Any]:
     return params, gravity
 
 
-def test_what_a_pose_may_be_given_is_answered_and_nothing_of_it_is_safe(tmp_path: Path) -> None:
+def test_what_a_pose_may_be_given_is_answered_and_nothing_of_it_is_safe(tmp_path):
     export = tripod_export()
     package.write(export, tmp_path / "e")
     middle = ", ".join(f"{value}f" for value in export.model.at(np.full(2, 0.5)).astype(np.float32))
@@ -104,7 +101,7 @@ def test_what_a_pose_may_be_given_is_answered_and_nothing_of_it_is_safe(tmp_path
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name: str) -> None:
+def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name):
     export = MAKERS[name]()
     host = host_of(export)
     params, gravity = some(export, 400)
@@ -119,7 +116,7 @@ def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["contacts", "many"])
-def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
+def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name):
     export = MAKERS[name]()
     host, body = host_of(export), export.body
     params, gravity = some(export, 3000, 1)
@@ -147,7 +144,7 @@ def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_whatever_the_bits_of_gravity_an_answer_is_safe_or_says_why_not(name: str) -> None:
+def test_whatever_the_bits_of_gravity_an_answer_is_safe_or_says_why_not(name):
     export = MAKERS[name]()
     host = host_of(export)
     rng = np.random.default_rng(5)
@@ -179,9 +176,7 @@ def test_whatever_the_bits_of_gravity_an_answer_is_safe_or_says_why_not(name: st
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_further(
-    name: str,
-) -> None:
+def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_further(name):
     export = MAKERS[name]()
     model, host = export.model, host_of(export)
     _, gravity = some(export, 500, 2)
@@ -203,7 +198,7 @@ def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_furth
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="sets a register of x86")
 @pytest.mark.parametrize("name", ["contacts", "many", "grid"])
-def test_flush_to_zero_changes_no_answer(name: str, tmp_path: Path) -> None:
+def test_flush_to_zero_changes_no_answer(name, tmp_path):
     export = MAKERS[name]()
     package.write(export, tmp_path / "e")
     flush = tmp_path / "flush.c"
@@ -220,14 +215,14 @@ def test_flush_to_zero_changes_no_answer(name: str, tmp_path: Path) -> None:
     params = model.at(rng.random((6000, model.k))).astype(np.float32)
     at = rng.random(params.shape) < 0.1
     params[at] = rng.choice(odd, int(at.sum()))
-    known = HostLibrary(tmp_path / "e").read(params, gravity)
+    known = host_of(export).read(params, gravity)
     found = HostLibrary(tmp_path / "e", (*FLAGS, str(flush))).read(params, gravity)
     np.testing.assert_array_equal(found[0], known[0])
     assert found[1].tobytes() == known[1].tobytes()
     assert {OK, TIPS, INVALID} <= set(known[0].tolist())
 
 
-def turning() -> Recipe:
+def turning():
     """Return a robot whose arm turns all the way round."""
     arm = """
 [[robot.parameter]]
@@ -253,7 +248,7 @@ joint = { type = "revolute", axis = [0, 1, 0], parameter = "arm" }
     return parse_recipe(rigid(arm + contacts, samples="arm = 9"))
 
 
-def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
+def test_a_joint_that_turns_all_the_way_round_wraps():
     model = Model(turning())
     export = INFO.export(model, "arm", ("sdg", "tip_angle"))
     host = host_of(export)
@@ -278,7 +273,7 @@ def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
     np.testing.assert_array_equal(before[0], before[1])
 
 
-def test_the_reading_names_the_two_contacts_over_which_it_would_tip() -> None:
+def test_the_reading_names_the_two_contacts_over_which_it_would_tip():
     recipe = load_recipe("maps/paper_two.toml")
     model = Model(recipe)
     host = host_of(INFO.export(model, "two", ("tip_angle",)))

@@ -3,7 +3,6 @@
 import json
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -18,11 +17,11 @@ from tests.fixtures.needs import lacking
 NAMES = ("one", "two", "three")
 # Every level and every freedom of the compiler once; some only together.
 FLAGS = (
-    *("-O0", "-Ofast", "-O3 -march=native -flto"),
+    *("-Ofast", "-O3 -march=native -flto"),
     *("-std=gnu99 -O1 -ffp-contract=fast", "-std=gnu17 -Os -ffinite-math-only"),
 )
 if LONG:
-    FLAGS += ("-O1", "-O2", "-O3", "-Os", "-O2 -ffast-math", "-std=gnu99 -O2 -ffp-contract=fast")
+    FLAGS += ("-O0", "-O2", "-O3", "-Os", "-O2 -ffast-math", "-std=gnu99 -O2 -ffp-contract=fast")
 # Prints a hash of statuses and bits of one map, or of all of them in turn.
 MAIN = """\
 #include <stdio.h>
@@ -64,7 +63,7 @@ CALLS
 """
 
 
-def main_of(names: tuple[str, ...]) -> str:
+def main_of(names):
     calls = []
     for name in names:
         calls.append(f"  {{ static {name}_pose_t pose; hash = 2166136261u;")
@@ -75,7 +74,7 @@ def main_of(names: tuple[str, ...]) -> str:
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("programs")
     exports = (tripod_export("one"), rover_export("two"), tripod_export("three", codec="grid"))
     for export in exports:
@@ -83,7 +82,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def said(folder: Path, flags: str, names: tuple[str, ...], compiler: str = "cc") -> list[str]:
+def said(folder, flags, names, compiler="cc"):
     """Compile a program with some maps; return what it prints, or that it does not compile."""
     (folder / "main.c").write_text(main_of(names))
     sources = [f"{name}/{name}.c" for name in names]
@@ -95,21 +94,19 @@ def said(folder: Path, flags: str, names: tuple[str, ...], compiler: str = "cc")
 
 
 @pytest.fixture(scope="module")
-def alone(folder: Path) -> list[str]:
-    return [line for name in NAMES for line in said(folder, "-std=c99 -O2", (name,))]
+def alone(folder):
+    return [line for name in NAMES for line in said(folder, "-std=c99 -O0", (name,))]
 
 
 @pytest.mark.parametrize("flags", FLAGS)
-def test_each_map_answers_beside_others_the_bits_that_it_answers_alone(
-    folder: Path, alone: list[str], flags: str
-) -> None:
+def test_each_map_answers_beside_others_the_bits_that_it_answers_alone(folder, alone, flags):
     assert len({line.split()[1] for line in alone}) == 3
     assert all(line.endswith(" 0") for line in alone)
     assert said(folder, flags, NAMES) == alone
 
 
 @pytest.mark.needs("clang")
-def test_clang_gives_the_same_bits_or_refuses(folder: Path, alone: list[str]) -> None:
+def test_clang_gives_the_same_bits_or_refuses(folder, alone):
     assert said(folder, "-Os", NAMES, "clang") == alone
     assert "without -ffast-math" in said(folder, "-O2 -ffast-math", NAMES, "clang")[0]
     # Every pose is invalid: nothing is answered rather than something else.
@@ -118,7 +115,7 @@ def test_clang_gives_the_same_bits_or_refuses(folder: Path, alone: list[str]) ->
     assert all(line.endswith(" 0") for line in found)
 
 
-def test_shared_libraries_of_several_maps_do_not_meet(folder: Path, alone: list[str]) -> None:
+def test_shared_libraries_of_several_maps_do_not_meet(folder, alone):
     for name in NAMES:
         library = ["-shared", "-fPIC", "-O2", "-o", f"lib{name}.so"]
         compile_c([*library, f"{name}/{name}.c"], folder)
@@ -141,9 +138,7 @@ def test_shared_libraries_of_several_maps_do_not_meet(folder: Path, alone: list[
     assert found.splitlines() == alone
 
 
-def test_folders_thrown_together_are_one_program(
-    folder: Path, alone: list[str], tmp_path: Path
-) -> None:
+def test_folders_thrown_together_are_one_program(folder, alone, tmp_path):
     for name in NAMES:
         for path in (folder / name).glob("*.[ch]"):
             shutil.copy(path, tmp_path)
@@ -153,9 +148,7 @@ def test_folders_thrown_together_are_one_program(
     assert found.splitlines() == alone
 
 
-def test_cmake_installs_packages_that_programs_find(
-    folder: Path, alone: list[str], tmp_path: Path
-) -> None:
+def test_cmake_installs_packages_that_programs_find(folder, alone, tmp_path):
     if shutil.which("cmake") is None:
         pytest.skip(lacking("cmake"))
     prefix = tmp_path / "prefix"
@@ -184,7 +177,7 @@ def test_cmake_installs_packages_that_programs_find(
     assert ran.splitlines() == alone
 
 
-def test_library_files_name_what_is_compiled_and_the_sketch_is_c_plus_plus(folder: Path) -> None:
+def test_library_files_name_what_is_compiled_and_the_sketch_is_c_plus_plus(folder):
     content = json.loads((folder / "one" / "library.json").read_text())
     lines = (folder / "one" / "library.properties").read_text().splitlines()
     properties = dict(line.split("=", 1) for line in lines if not line.startswith("#"))
@@ -210,7 +203,7 @@ def test_library_files_name_what_is_compiled_and_the_sketch_is_c_plus_plus(folde
     subprocess.run([*words.split(), "sketch.cpp", "-o", "sketch.o"], cwd=folder, check=True)
 
 
-def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Path) -> None:
+def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder):
     for name in ("one", "three"):
         flags = ["-std=c99", *STRICT, f"-I{name}", f"{name}/{name}.c", f"{name}/examples/alarm.c"]
         subprocess.run(["gcc", *flags, "-o", "alarm"], cwd=folder, check=True)
@@ -229,14 +222,14 @@ def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Pa
         assert len((folder / name / "examples" / "alarm.c").read_text().splitlines()) <= 120
 
 
-def test_a_name_that_is_accepted_compiles_and_runs() -> None:
-    for name in ("params", "pose", "status", "PI2", "q", "read_i"):
+def test_a_name_that_is_accepted_compiles_and_runs():
+    for name in ("pose", "PI2", "q", "read_i"):
         assert check_name(name) == name
         files = package.contents(tripod_export(name))[0]
         assert "compiled and run" in try_out(files, name), name
 
 
-def test_a_name_of_a_function_of_the_c_library_is_refused_where_it_is_tried() -> None:
+def test_a_name_of_a_function_of_the_c_library_is_refused_where_it_is_tried():
     # The map would take the place of what a library calls.
     for name in ("fopen64", "localtime_r", "sinf"):
         assert check_name(name) == name
@@ -244,15 +237,13 @@ def test_a_name_of_a_function_of_the_c_library_is_refused_where_it_is_tried() ->
             try_out(package.contents(tripod_export(name))[0], name)
 
 
-def test_without_a_compiler_the_trial_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_compiler_the_trial_says_so(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     assert try_out({}, "robot") == "not compiled: there is no C compiler here"
 
 
-def test_what_does_not_compile_is_not_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_does_not_compile_is_not_written(tmp_path, monkeypatch):
     files, _ = package.contents(tripod_export())
     broken = files | {"tripod.c": files["tripod.c"].replace(b"SMAP_OWN_BLOB[", b"SMAP OWN BLOB[")}
     with pytest.raises(ExportError, match="does not compile or run"):

@@ -14,7 +14,7 @@ CONTACTS, GRID = "paper_two: contacts, float", "paper_one: grid i8 1 4 1, intege
 
 
 @pytest.mark.parametrize("row", [CONTACTS, GRID])
-def test_an_export_is_proved_and_none_whose_entry_is_shifted(row: str) -> None:
+def test_an_export_is_proved_and_none_whose_entry_is_shifted(row):
     recipe, blob, integer = made(row)
     whole = prove(recipe, blob, integer)
     assert whole.reason == ""
@@ -31,14 +31,14 @@ def test_an_export_is_proved_and_none_whose_entry_is_shifted(row: str) -> None:
     assert "deg is needed" in found.reason or "not known" in found.reason
 
 
-def test_a_guard_that_is_too_small_is_not_proved() -> None:
+def test_a_guard_that_is_too_small_is_not_proved():
     recipe, blob, _ = made(CONTACTS)
     less = bytearray(blob)
     less[20:24] = (np.frombuffer(blob, "<f4", 1, 20)[0] * np.float32(0.3)).tobytes()
     assert "deg is needed" in prove(recipe, bytes(less), False).reason
 
 
-def test_what_the_lemmas_say_nothing_about_is_refused() -> None:
+def test_what_the_lemmas_say_nothing_about_is_refused():
     rover = rover_export()
     with pytest.raises(CannotProveError, match="not one of three points"):
         prove(rover.recipe, describe(rover).bytes, False)

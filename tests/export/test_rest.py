@@ -40,13 +40,12 @@ ROBOTS = {
 }
 
 
-def model(text: str) -> Model:
-    """Return the model of a recipe's text."""
+def model(text):
     return Model(parse_recipe(text, "test.toml"))
 
 
 @pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
-def test_series_are_the_contacts_anywhere_in_the_box(text: str) -> None:
+def test_series_are_the_contacts_anywhere_in_the_box(text):
     robot = model(text)
     series = expand(robot)
     assert series is not None
@@ -61,7 +60,7 @@ def test_series_are_the_contacts_anywhere_in_the_box(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
-def test_no_edge_is_shorter_than_the_bound_and_the_shortest_hardly_longer(text: str) -> None:
+def test_no_edge_is_shorter_than_the_bound_and_the_shortest_hardly_longer(text):
     robot = widened(model(text))
     p = robot.postures(robot.at(np.random.default_rng(5).random((20_000, robot.k)))).centres
     lengths = np.linalg.norm(np.cross(p, np.roll(p, -1, axis=1)), axis=2)
@@ -82,11 +81,11 @@ def test_no_edge_is_shorter_than_the_bound_and_the_shortest_hardly_longer(text: 
     ],
     ids=["wheels", "four", "leans", "above"],
 )
-def test_a_facet_that_is_no_rest_everywhere_has_no_bound(text: str) -> None:
+def test_a_facet_that_is_no_rest_everywhere_has_no_bound(text):
     assert least_edge_of(model(text)) == 0.0
 
 
-def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found() -> None:
+def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found():
     # paper_two's facet leans most, 26 deg, where one leg is level and the other fully down.
     # The box, and as far beyond its ends as a sensor's slack goes.
     wider = widened(model(PAPER_TWO))

@@ -2,7 +2,7 @@
 
 import subprocess
 from dataclasses import replace
-from pathlib import Path
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,7 +12,6 @@ from firmware_export.contacts import INFO as contacts
 from firmware_export.contacts.room import LIMITS
 from firmware_export.emit import package
 from firmware_export.host import STANDS
-from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from tests.fixtures.compiled import HostLibrary
 from tests.fixtures.exports import host_of
@@ -22,18 +21,19 @@ from tests.fixtures.quadruped import quadruped
 OK, TIPS = 0, 2
 
 
-def export_of(name: str) -> Export:
+@cache
+def export_of(name):
     recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
     return contacts.export(Model(recipe), name, ("tip_angle",))
 
 
-def with_room(export: Export, **numbers: int) -> Export:
+def with_room(export, **numbers):
     """Return an export with other numbers in its room."""
     room = export.tables.room._replace(**numbers)
     return replace(export, tables=replace(export.tables, room=room))
 
 
-def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.ndarray]:
+def queries(export, postures, each):
     rng = np.random.default_rng(11)
     t = rng.random((postures, export.model.k))
     params = np.repeat(export.model.at(t), each, axis=0).astype(np.float32)
@@ -42,9 +42,7 @@ def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.nd
     return params, gravity.astype(np.float32)
 
 
-def read_alike(
-    export: Export, folder: Path, asked: tuple[np.ndarray, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+def read_alike(export, folder, asked):
     """Return what certificates read; what was written to the folder answers so bit by bit."""
     status, reading = host_of(export).read(*asked)
     own_status, own_reading = HostLibrary(folder).read(*asked)
@@ -54,7 +52,7 @@ def read_alike(
 
 
 @pytest.mark.needs("gcc")
-def test_what_an_export_gives_up_the_certificate_gives_up_too(tmp_path: Path) -> None:
+def test_what_an_export_gives_up_the_certificate_gives_up_too(tmp_path):
     whole = export_of("marv")
     small = with_room(whole, gaps=1)
     package.write(small, tmp_path / "out")
@@ -71,7 +69,7 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(tmp_path: Path) ->
 
 @pytest.mark.needs("gcc")
 @pytest.mark.parametrize("name", ["marv", "markhor", "quadruped", "tractor"])
-def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_path: Path) -> None:
+def test_an_export_that_knows_its_robot_answers_as_code_for_any(name, tmp_path):
     # Certificates read with arrays that are larger than those of an export; absolem's and
     # articulated's are compared in tests/runtime.
     export = export_of(name)
@@ -80,16 +78,16 @@ def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_p
 
 
 @pytest.mark.parametrize("name", ["marv", "absolem", "quadruped"])
-def test_hardly_a_posture_needs_more_room(name: str) -> None:
+def test_hardly_a_posture_needs_more_room(name):
     whole = export_of(name)
     everything = replace(whole, tables=replace(whole.tables, room=LIMITS))
-    asked = queries(whole, 20_000, 1)
+    asked = queries(whole, 10_000, 1)
     given, enough = host_of(whole).read(*asked), host_of(everything).read(*asked)
     assert (given[0] == enough[0]).mean() > 0.9995
 
 
 @pytest.mark.needs("gcc")
-def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) -> None:
+def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path):
     # Its centre of mass is below all contacts: no posture has a facet to make room for.
     corners = ((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2))
     text = '[robot]\nname = "hung"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\nmass = 3.0\n'

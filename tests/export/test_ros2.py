@@ -2,7 +2,6 @@
 
 import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,9 +25,7 @@ POLICY = Policy(
 
 @pytest.mark.needs("c++")
 @pytest.mark.parametrize("policy", [None, POLICY], ids=["read", "policy"])
-def test_the_node_tells_how_the_robot_stands_and_steers_it_with_a_policy(
-    tmp_path: Path, policy: Policy | None
-) -> None:
+def test_the_node_tells_how_the_robot_stands_and_steers_it_with_a_policy(tmp_path, policy):
     export = replace(tripod_export("feet"), policy=policy)
     package.write(export, tmp_path / "feet")
     for name in HEADERS:

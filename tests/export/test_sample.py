@@ -6,7 +6,7 @@ import pytest
 import lutgen
 from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
-from firmware_export.truth.sample import Cells, Sample, biased, uniform
+from firmware_export.truth.sample import Cells, biased, uniform
 from firmware_export.truth.tip_boundary import on_chart
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -24,19 +24,18 @@ each_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 CONE, SPHERE, WHEELS = list(MODELS.values())[:3]
 
 
-def in_box(model: Model, sample: Sample) -> bool:
-    """Tell whether all postures lie in the box."""
+def in_box(model, sample):
     return bool(((sample.params >= model.lower) & (sample.params <= model.upper)).all())
 
 
-def normalised(model: Model, sample: Sample) -> np.ndarray:
+def normalised(model, sample):
     """Return the postures over the box, 0 to 1."""
     return np.asarray((sample.params - model.lower) / (model.upper - model.lower))
 
 
 @each_model
 @pytest.mark.parametrize("draw", [uniform, biased])
-def test_points_lie_in_the_box_and_on_the_chart(model: Model, draw) -> None:  # type: ignore[no-untyped-def]
+def test_points_lie_in_the_box_and_on_the_chart(model, draw):
     sample = draw(model, 3000, 7)
     assert sample.points >= 3000
     assert in_box(model, sample)
@@ -46,7 +45,7 @@ def test_points_lie_in_the_box_and_on_the_chart(model: Model, draw) -> None:  # 
 
 
 @pytest.mark.parametrize("model", [CONE, SPHERE], ids=["cone", "sphere"])
-def test_directions_are_uniform_in_solid_angle(model: Model) -> None:
+def test_directions_are_uniform_in_solid_angle(model):
     sample = uniform(model, 200_000, 3)
     chart = model.recipe.chart
     face, u, v, _ = chart.locate(sample.gravity.reshape(-1, 3))
@@ -64,7 +63,7 @@ def test_directions_are_uniform_in_solid_angle(model: Model) -> None:
         assert chi < 63.0 + 5.0 * 11.3
 
 
-def test_many_biased_postures_are_on_faces_and_corners_of_the_box() -> None:
+def test_many_biased_postures_are_on_faces_and_corners_of_the_box():
     t = normalised(CONE, biased(CONE, 8000, 5))
     at_end = (t == 0.0) | (t == 1.0)
     assert at_end.any(axis=1).mean() > 0.3
@@ -74,9 +73,7 @@ def test_many_biased_postures_are_on_faces_and_corners_of_the_box() -> None:
 
 
 @each_model
-def test_many_biased_directions_are_close_to_the_tip_over_boundary_on_both_sides(
-    model: Model,
-) -> None:
+def test_many_biased_directions_are_close_to_the_tip_over_boundary_on_both_sides(model):
     sample = biased(model, 4000, 5)
     tip = model.exact(*sample).tip_angle
     near = np.abs(tip) < 1e-3
@@ -85,7 +82,7 @@ def test_many_biased_directions_are_close_to_the_tip_over_boundary_on_both_sides
     assert (np.abs(tip) < 1e-6).mean() > 0.02
 
 
-def test_cells_of_a_table_are_met_in_their_middles() -> None:
+def test_cells_of_a_table_are_met_in_their_middles():
     knots = np.array([0.0, 0.3, 1.0])
     cells = Cells((knots, np.array([0.0, 0.5, 1.0])), np.array([-1.0, 1.0]), np.array([-1.0, 1.0]))
     t = normalised(CONE, biased(CONE, 4000, 5, cells))
@@ -95,7 +92,7 @@ def test_cells_of_a_table_are_met_in_their_middles() -> None:
             assert np.isclose(t[:, column], middle).mean() > 0.1
 
 
-def test_the_chart_holds_its_rim_and_nothing_beyond() -> None:
+def test_the_chart_holds_its_rim_and_nothing_beyond():
     limit = CONE.chart_limit
     rim = CONE.uv_to_gravity(0, [limit, -limit, 0.0], [0.0, limit, limit])
     assert on_chart(CONE, unit(rim)).all()

@@ -5,7 +5,7 @@ import numpy as np
 from firmware_export.contacts.many import many_of, order_of
 from firmware_export.contacts.shown import shown_contacts
 from firmware_export.truth import Model
-from lutgen.recipe import Recipe, parse_recipe
+from lutgen.recipe import parse_recipe
 from lutgen.support import DISC
 from tests.fixtures.recipes import contact, sweep_part
 
@@ -33,7 +33,7 @@ joint = { type = "revolute", axis = [0.0, 1.0, 0.0], parameter = "flipper" }
 AXLE = (0.0, 1.0, 0.0)
 
 
-def track(*more: str, before: str = "") -> Recipe:
+def track(*more, before=""):
     """Return a robot on four wheels with two flippers, whose first wheels are on one axle."""
     wheels = [
         contact(f"wheel{k}{s}", (x, y, -0.1), 0.1, AXLE, link="body")
@@ -49,19 +49,19 @@ def track(*more: str, before: str = "") -> Recipe:
     return parse_recipe(HEAD + contacts + sweep_part("flipper = 5"))
 
 
-def names(recipe: Recipe, kept: tuple[int, ...]) -> set[str]:
+def names(recipe, kept):
     return {recipe.contacts[at].name for at in kept}
 
 
 WHEELS = {"wheel00", "wheel01", "wheel10", "wheel11"}
 
 
-def test_of_two_wheels_on_one_axle_the_first_is_shown() -> None:
+def test_of_two_wheels_on_one_axle_the_first_is_shown():
     recipe = track()
     assert names(recipe, shown_contacts(Model(recipe))) == WHEELS | {"flipper10", "flipper11"}
 
 
-def test_corners_of_a_box_on_the_rims_are_hidden_and_those_beyond_are_not() -> None:
+def test_corners_of_a_box_on_the_rims_are_hidden_and_those_beyond_are_not():
     on_rim = [
         contact(f"c{k}{s}", (x, y, -0.2), 0.0, None, link="body")
         for k, x in enumerate((-0.3, 0.3))
@@ -76,7 +76,7 @@ def test_corners_of_a_box_on_the_rims_are_hidden_and_those_beyond_are_not() -> N
     }
 
 
-def test_what_is_hidden_in_some_postures_alone_is_shown() -> None:
+def test_what_is_hidden_in_some_postures_alone_is_shown():
     # The arm takes the first out of the wheel that it begins in, and the second all round on a rim.
     leaves = contact("leaves", (0.05, 0.2, 0.0), 0.0, None, link="body")
     turns = contact("turns", (0.0, 0.2, 0.1), 0.0, None, link="arm")
@@ -87,7 +87,7 @@ def test_what_is_hidden_in_some_postures_alone_is_shown() -> None:
     assert "turns" not in shown
 
 
-def test_contacts_keep_the_numbers_of_the_recipe_where_some_are_hidden() -> None:
+def test_contacts_keep_the_numbers_of_the_recipe_where_some_are_hidden():
     hub = contact("hub", (-0.3, -0.2, -0.1), 0.0, None, link="body")
     recipe = track(before=hub)
     order, turning = order_of(Model(recipe))
@@ -103,7 +103,7 @@ def test_contacts_keep_the_numbers_of_the_recipe_where_some_are_hidden() -> None
 RAILS = '[robot]\nname = "rails"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\nmass = 1\n'
 
 
-def on_axles(noise: float, tilt: float) -> Recipe:
+def on_axles(noise, tilt):
     """Return four wheels whose rails and axles are off by some noise (m) and tilt (rad)."""
     rng = np.random.default_rng(1)
     places = [(x, y, -0.2) for x in (-0.3, 0.3) for y in (-0.2, 0.2)]

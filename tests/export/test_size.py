@@ -1,7 +1,5 @@
 """The measured sizes of the runtime."""
 
-from pathlib import Path
-
 import pytest
 
 from firmware_export.emit import package
@@ -14,7 +12,7 @@ from targets.image import compiled
 ROWS = measured(FILE)
 
 
-def test_every_family_has_its_numbers() -> None:
+def test_every_family_has_its_numbers():
     assert set(ROWS) == set(size_measure.EXPORTS)
     assert {name.split(",")[0] for name in ROWS} == set(size_measure.FAMILIES)
     assert all(set(row) >= {"code", "stack", "control", "pose"} for row in ROWS.values())
@@ -22,7 +20,7 @@ def test_every_family_has_its_numbers() -> None:
 
 @pytest.mark.needs(size_measure.BOARD.tool)
 @pytest.mark.parametrize("family", ["points", "tables_i"])  # `make size` measures all
-def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path, family: str) -> None:
+def test_the_committed_sizes_are_those_of_the_runtime(tmp_path, family):
     found = size_measure.measure_row(family, tmp_path)
     # Another version of the compiler may differ by a few instructions.
     assert found["code"] == pytest.approx(ROWS[family]["code"], rel=0.03)
@@ -30,7 +28,7 @@ def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path, family: st
 
 
 @pytest.mark.needs(size_measure.BOARD.tool)
-def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path: Path) -> None:
+def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path):
     export = of_recipe("paper_two", "contacts")
     said = package.write(export, tmp_path)["bytes"]
     assert said["measured"]
@@ -42,7 +40,7 @@ def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path
     )
 
 
-def test_no_export_that_was_counted_takes_more_than_its_family() -> None:
+def test_no_export_that_was_counted_takes_more_than_its_family():
     families = {"contacts": ("points", "rails", "search"), "grid": ("tables", "tables_i", "grid")}
     for name, row in measured(COUNTS).items():
         codec = row["export"]["spec"].split()[0]

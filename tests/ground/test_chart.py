@@ -7,13 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from lutgen.chart import (
-    STANDARD_GRAVITY,
-    Chart,
-    gravito_inertial,
-    gravity_from_up,
-    unit_directions,
-)
+from lutgen.chart import STANDARD_GRAVITY, Chart, gravito_inertial, gravity_from_up, unit_directions
 from lutgen.errors import InputError
 
 SPHERE = Chart("sphere", 9)

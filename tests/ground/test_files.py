@@ -13,12 +13,12 @@ from tests.fixtures.places import ROOT
 MARKED = b"\x89PNG\r\n\x1a\n....tEXtSoftware\0lutgen...."
 
 
-def foreign(path: Path) -> Path:
+def foreign(path):
     path.write_bytes(b"my thesis")
     return path
 
 
-def test_a_file_of_somebody_else_stays_unless_force_is_said(tmp_path: Path) -> None:
+def test_a_file_of_somebody_else_stays_unless_force_is_said(tmp_path):
     path = foreign(tmp_path / "thesis.txt")
     with pytest.raises(InputError, match=r"thesis\.txt: is there already.*--force"):
         files.write_text(path, "new")
@@ -29,7 +29,7 @@ def test_a_file_of_somebody_else_stays_unless_force_is_said(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("kind", ["fifo", "link", "link to nothing"])
-def test_a_device_or_a_link_is_never_written_to_nor_replaced(tmp_path: Path, kind: str) -> None:
+def test_a_device_or_a_link_is_never_written_to_nor_replaced(tmp_path, kind):
     path = tmp_path / "out"
     if kind == "fifo":
         os.mkfifo(path)
@@ -45,9 +45,7 @@ def test_a_device_or_a_link_is_never_written_to_nor_replaced(tmp_path: Path, kin
     assert all(one.read_bytes() == b"my thesis" for one in tmp_path.glob("victim"))
 
 
-def test_a_file_with_the_mark_and_one_that_would_not_change_are_replaced_without_a_word(
-    tmp_path: Path,
-) -> None:
+def test_a_file_with_the_mark_and_one_that_would_not_change_are_replaced_without_a_word(tmp_path):
     files.write_bytes(tmp_path / "a.png", MARKED)
     files.write_bytes(tmp_path / "a.png", MARKED + b"other")
     assert (tmp_path / "a.png").read_bytes().endswith(b"other")
@@ -59,12 +57,10 @@ def test_a_file_with_the_mark_and_one_that_would_not_change_are_replaced_without
     assert not files.is_ours(tmp_path / "b")
 
 
-def test_a_name_that_is_taken_meanwhile_is_left_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_name_that_is_taken_meanwhile_is_left_alone(tmp_path, monkeypatch):
     path, fdopen = tmp_path / "late", os.fdopen
 
-    def taken(handle: int, mode: str) -> object:
+    def taken(handle, mode):
         if not path.exists():
             foreign(path)
         return fdopen(handle, mode)
@@ -76,12 +72,10 @@ def test_a_name_that_is_taken_meanwhile_is_left_alone(
     assert [one.name for one in tmp_path.iterdir()] == ["late"]
 
 
-def test_temporary_names_cannot_be_foreseen_and_are_opened_only_if_new(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_temporary_names_cannot_be_foreseen_and_are_opened_only_if_new(tmp_path, monkeypatch):
     opened, plain = [], os.open
 
-    def note(path: os.PathLike[str], flags: int, *mode: int) -> int:
+    def note(path, flags, *mode):
         opened.append((Path(path).name, flags))
         return plain(path, flags, *mode)
 
@@ -96,13 +90,13 @@ def test_temporary_names_cannot_be_foreseen_and_are_opened_only_if_new(
 # bounds
 
 
-def test_the_reference_lists_every_bound_as_it_is() -> None:
+def test_the_reference_lists_every_bound_as_it_is():
     page = (ROOT / "docs/reference/bounds.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| ([\d,]+) \| (.+) \|$", page, re.MULTILINE)
     assert rows == [(name, f"{one.most:,}", one.what) for name, one in bounds.BOUNDS.items()]
 
 
-def test_a_bound_counts_itself_in_and_names_what_it_got() -> None:
+def test_a_bound_counts_itself_in_and_names_what_it_got():
     bounds.check(bounds.LEVELS.most, bounds.LEVELS, "--levels", "use fewer")
     with pytest.raises(InputError, match=r"--levels: .* 32 .*\(got a number of 5001 digits\)"):
         bounds.check(10**5000, bounds.LEVELS, "--levels", "use fewer")

@@ -29,14 +29,14 @@ NAMES = [
 ]
 
 
-def test_the_public_names_are_these_and_no_others() -> None:
+def test_the_public_names_are_these_and_no_others():
     assert dir(lutgen) == NAMES
     assert sorted(lutgen.__all__) == NAMES
     with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
         _ = lutgen.no_such_name
 
 
-def test_public_functions_stay_callable_after_every_submodule_is_imported() -> None:
+def test_public_functions_stay_callable_after_every_submodule_is_imported():
     # A submodule of the same name would take a function's place in the package.
     for module in pkgutil.walk_packages(lutgen.__path__, "lutgen."):
         importlib.import_module(module.name)
@@ -44,7 +44,7 @@ def test_public_functions_stay_callable_after_every_submodule_is_imported() -> N
         assert callable(getattr(lutgen, name)) or name == "__version__", name
 
 
-def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None:
+def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect():
     for name, builtin in {
         "ExportError": RuntimeError,
         "RecipeError": ValueError,
@@ -58,16 +58,14 @@ def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None
 
 
 @pytest.mark.parametrize("name", ["trimesh", "mujoco", "xacrodoc", "tomlkit", "xarray"])
-def test_a_package_that_is_not_there_is_named_with_how_to_get_it(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_package_that_is_not_there_is_named_with_how_to_get_it(name, monkeypatch):
     monkeypatch.setitem(sys.modules, name, None)
     said = rf"a\.x: needs more packages \(got .*{name}.*\); `pip install b`, or do without\."
     with pytest.raises(lutgen.InputError, match=said):
         optional("a.x", name, "b", "do without")
 
 
-def test_importing_lutgen_imports_nothing_heavy() -> None:
+def test_importing_lutgen_imports_nothing_heavy():
     heavy = {"numpy", "numba", "h5py", "pydantic", "scipy"}
     code = f"import sys, lutgen; print(*sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

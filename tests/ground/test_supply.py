@@ -6,7 +6,7 @@ import tomllib
 from tests.fixtures.places import ROOT
 
 
-def test_every_dependency_has_a_lower_and_an_upper_bound() -> None:
+def test_every_dependency_has_a_lower_and_an_upper_bound():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     extras = settings["project"]["optional-dependencies"].values()
     needs = [*settings["project"]["dependencies"], *(need for extra in extras for need in extra)]

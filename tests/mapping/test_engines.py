@@ -6,9 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from distributed import Client, LocalCluster
@@ -26,7 +24,7 @@ SIZE, BLOCKS = 242, 27
 
 
 @pytest.fixture(scope="module")
-def cluster() -> Iterator[LocalCluster]:
+def cluster():
     """Return a cluster of one worker to begin with."""
     with LocalCluster(
         n_workers=1,
@@ -39,7 +37,7 @@ def cluster() -> Iterator[LocalCluster]:
 
 
 @pytest.fixture
-def whole(tmp_path_factory: pytest.TempPathFactory, cut: Callable[[int], None]) -> bytes:
+def whole(tmp_path_factory, cut):
     """Return the file that this process computes with one thread, in blocks of 242 nodes."""
     cut(SIZE)
     path = tmp_path_factory.mktemp("whole") / "a.h5"
@@ -47,7 +45,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory, cut: Callable[[int], None]) 
     return path.read_bytes()
 
 
-def swept_there(path: Path, cluster: LocalCluster, **options: Any) -> bytes:
+def swept_there(path, cluster, **options):
     """Return the file that workers compute; nothing may be left beside it."""
     before = set(path.parent.iterdir())
     lutgen.sweep(RECIPE, path, engine="dask", scheduler=cluster.scheduler_address, **options)
@@ -55,17 +53,15 @@ def swept_there(path: Path, cluster: LocalCluster, **options: Any) -> bytes:
     return path.read_bytes()
 
 
-def test_a_worker_inside_this_process_writes_the_bytes_of_a_local_sweep(
-    tmp_path: Path, whole: bytes
-) -> None:
-    seen: list[tuple[int, int]] = []
+def test_a_worker_inside_this_process_writes_the_bytes_of_a_local_sweep(tmp_path, whole):
+    seen = []
     lutgen.sweep(RECIPE, tmp_path / "a.h5", engine="dask", progress=lambda *now: seen.append(now))
     assert (tmp_path / "a.h5").read_bytes() == whole
     assert len(seen) == BLOCKS
     assert seen[-1] == (54 * 121, 54 * 121)
 
 
-def test_a_scheduler_inside_this_process_has_no_port_but_that_of_bare_web_servers() -> None:
+def test_a_scheduler_inside_this_process_has_no_port_but_that_of_bare_web_servers():
     with engine_dask.connected(None) as client:
         assert client.scheduler.address.startswith("inproc://")
         (server,) = client.cluster.scheduler.http_server._sockets.values()
@@ -74,18 +70,18 @@ def test_a_scheduler_inside_this_process_has_no_port_but_that_of_bare_web_server
 
 
 def test_two_workers_resume_what_this_process_began_and_lose_nothing_if_one_is_killed(
-    tmp_path: Path, whole: bytes, cluster: LocalCluster
-) -> None:
+    tmp_path, whole, cluster
+):
     cluster.scale(2)
     cluster.wait_for_workers(2)
     with Client(cluster.scheduler_address) as client:
         processes = list(client.run(os.getpid).values())
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         if done > total / 2:
             raise KeyboardInterrupt
 
-    def kill(done: int, total: int) -> None:
+    def kill(done, total):
         if len(processes) == 2:
             os.kill(processes.pop(), signal.SIGKILL)
 
@@ -103,11 +99,8 @@ def test_two_workers_resume_what_this_process_began_and_lose_nothing_if_one_is_k
 
 
 def test_a_scheduler_that_dies_is_a_sentence_and_the_sweep_resumes(
-    tmp_path: Path,
-    whole: bytes,
-    capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    tmp_path, whole, capfd, monkeypatch
+):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = str(free.getsockname()[1])
@@ -140,9 +133,7 @@ def test_a_scheduler_that_dies_is_a_sentence_and_the_sweep_resumes(
     assert (tmp_path / "a.h5").read_bytes() == whole
 
 
-def test_a_sweep_without_any_worker_gives_up_in_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sweep_without_any_worker_gives_up_in_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(engine_dask, "PATIENCE", 0.2)
     with (
         LocalCluster(n_workers=0, dashboard_address=":0", silence_logs="CRITICAL") as empty,
@@ -151,17 +142,15 @@ def test_a_sweep_without_any_worker_gives_up_in_a_sentence(
         swept_there(tmp_path / "a.h5", empty)
 
 
-def test_workers_of_another_version_are_refused(
-    tmp_path: Path, cluster: LocalCluster, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_of_another_version_are_refused(tmp_path, cluster, monkeypatch):
     monkeypatch.setattr(engine_dask, "__version__", "99.0.0")
     with pytest.raises(SweepError, match=r"other versions of lutgen .*99\.0\.0"):
         swept_there(tmp_path / "a.h5", cluster)
 
 
 def test_a_scheduler_that_is_not_there_and_a_missing_package_are_refused_in_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     monkeypatch.setattr(engine_dask, "REACH", 0.5)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(InputError, match=f"scheduler {address} cannot be reached") as caught:
@@ -174,7 +163,7 @@ def test_a_scheduler_that_is_not_there_and_a_missing_package_are_refused_in_a_se
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
+def test_the_commands_of_the_page_on_scaling_run(tmp_path):
     (shell,) = blocks("docs/guide/large.md", "sh")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -196,7 +185,7 @@ def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
     assert "checksums: all good" in done.stdout
 
 
-def test_a_worker_gets_the_urdf_that_a_recipe_names(tmp_path: Path, cluster: LocalCluster) -> None:
+def test_a_worker_gets_the_urdf_that_a_recipe_names(tmp_path, cluster):
     shutil.copy(ROOT / "tests" / "vectors" / "rover.urdf", tmp_path)
     (tmp_path / "rover.toml").write_text(
         '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n'

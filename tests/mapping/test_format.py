@@ -1,7 +1,6 @@
 """What is in a map file, for us and for others."""
 
 import time
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,7 +13,7 @@ from lutgen.errors import InputError
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 
-def test_a_map_holds_what_evaluate_says_at_every_node(swept: Path) -> None:
+def test_a_map_holds_what_evaluate_says_at_every_node(swept):
     for name in ("cone.h5", "sphere.h5", "alone.h5"):
         stability_map = lutgen.load_map(swept / name)
         recipe = stability_map.recipe
@@ -33,7 +32,7 @@ def test_a_map_holds_what_evaluate_says_at_every_node(swept: Path) -> None:
             )  # float32
 
 
-def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path: Path) -> None:
+def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path):
     recipe = lutgen.parse_recipe(tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0))
     stability_map = lutgen.sweep(recipe, tmp_path / "a.h5")
     assert stability_map.path == str(tmp_path / "a.h5")
@@ -50,7 +49,7 @@ def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path: Path) ->
         stability_map["bogus"]
 
 
-def test_the_root_attributes_are_those_of_the_format(swept: Path) -> None:
+def test_the_root_attributes_are_those_of_the_format(swept):
     recipe = lutgen.parse_recipe(tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0))
     with h5py.File(swept / "cone.h5", "r") as file:
         found = dict(file.attrs)
@@ -69,7 +68,7 @@ def test_the_root_attributes_are_those_of_the_format(swept: Path) -> None:
         }
 
 
-def test_values_are_contiguous_without_filters_and_end_the_file(swept: Path) -> None:
+def test_values_are_contiguous_without_filters_and_end_the_file(swept):
     content = (swept / "cone.h5").read_bytes()
     with h5py.File(swept / "cone.h5", "r") as file:
         end = file["sdg"].id.get_offset()
@@ -89,7 +88,7 @@ def test_values_are_contiguous_without_filters_and_end_the_file(swept: Path) -> 
     assert end == len(content)
 
 
-def test_digests_are_those_of_the_document(swept: Path) -> None:
+def test_digests_are_those_of_the_document(swept):
     # docs/reference/format.md, followed without our code.
     content = (swept / "cone.h5").read_bytes()
     with h5py.File(swept / "cone.h5", "r") as file:
@@ -110,7 +109,7 @@ def test_digests_are_those_of_the_document(swept: Path) -> None:
     assert blake3(head).hexdigest() == words["blake3"]
 
 
-def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path: Path, swept: Path) -> None:
+def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path, swept):
     recipe = lutgen.load_map(swept / "cone.h5").recipe
     # HDF5 keeps times in whole seconds.
     time.sleep(1.1)
@@ -118,7 +117,7 @@ def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path: Path, swept: P
     assert (tmp_path / "again.h5").read_bytes() == (swept / "cone.h5").read_bytes()
 
 
-def test_xarray_opens_a_map_as_the_map_gives_it(swept: Path) -> None:
+def test_xarray_opens_a_map_as_the_map_gives_it(swept):
     data = lutgen.load_map(swept / "cone.h5").to_xarray()
     with xarray.open_dataset(swept / "cone.h5", engine="h5netcdf") as want:
         assert set(want.data_vars) == set(ALL_CHANNELS)

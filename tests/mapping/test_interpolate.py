@@ -2,30 +2,25 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from lutgen.mapping.interpolate import Place, interpolate, locate
-
-Axes = list[NDArray[np.float64]]
+from lutgen.mapping.interpolate import interpolate, locate
 
 
-def random_axes(rng: np.random.Generator, dimensions: int) -> Axes:
-    """Knots with 2 to 5 unequal steps."""
+def random_axes(rng, dimensions):
     return [np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0 for _ in range(dimensions)]
 
 
-def random_points(rng: np.random.Generator, axes: Axes, count: int = 200) -> NDArray[np.float64]:
+def random_points(rng, axes, count=200):
     """Points (count, d) anywhere between the ends of the axes."""
     return np.stack([rng.uniform(knots[0], knots[-1], count) for knots in axes], axis=1)
 
 
-def located(axes: Axes, points: NDArray[np.float64]) -> list[Place]:
-    """Return the places of points on all axes."""
+def located(axes, points):
     return [locate(knots, points[:, d]) for d, knots in enumerate(axes)]
 
 
-def test_a_value_has_the_cell_of_the_knot_below_it_and_what_is_beyond_an_end_is_at_it() -> None:
+def test_a_value_has_the_cell_of_the_knot_below_it_and_what_is_beyond_an_end_is_at_it():
     knots = np.array([-1.0, 0.0, 0.25, 3.0])
     index, frac = locate(knots, np.array([*knots, -0.25, 0.125, 1.625, -1.1, np.inf]))
     assert index.tolist() == [0, 1, 2, 2, 0, 1, 2, 0, 2]
@@ -34,9 +29,7 @@ def test_a_value_has_the_cell_of_the_knot_below_it_and_what_is_beyond_an_end_is_
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
-def test_values_are_interpolated_as_scipy_does_and_nodes_are_returned_bit_for_bit(
-    dimensions: int,
-) -> None:
+def test_values_are_interpolated_as_scipy_does_and_nodes_are_returned_bit_for_bit(dimensions):
     rng = np.random.default_rng(10 + dimensions)
     axes = random_axes(rng, dimensions)
     values = rng.normal(size=[a.size for a in axes]).astype(np.float32)
@@ -52,7 +45,7 @@ def test_values_are_interpolated_as_scipy_does_and_nodes_are_returned_bit_for_bi
     np.testing.assert_array_equal(present, ~np.isnan(values.ravel()))
 
 
-def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
+def test_corners_that_are_nan_are_left_out_of_the_mean():
     axes = [np.array([0.0, 1.0])] * 2
     values = np.array([[1.0, 2.0], [np.nan, 4.0]])
     got, present = interpolate(values, located(axes, np.array([[0.25, 0.5], [1.0, 0.25]])))
@@ -62,7 +55,7 @@ def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
     assert present.tolist() == pytest.approx([7 / 8, 0.25], rel=1e-15)
 
 
-def test_the_mean_is_nan_only_where_no_corner_is_a_number() -> None:
+def test_the_mean_is_nan_only_where_no_corner_is_a_number():
     axes = [np.arange(4.0)]
     values = np.array([5.0, np.nan, np.nan, 7.0])
     points = np.array([[0.0], [0.999], [1.0], [1.5], [2.0], [2.001], [3.0]])
@@ -72,7 +65,7 @@ def test_the_mean_is_nan_only_where_no_corner_is_a_number() -> None:
     assert present[[2, 3, 4]].tolist() == [0.0, 0.0, 0.0]
 
 
-def test_the_face_is_taken_as_it_is_between_parameters_and_v_u() -> None:
+def test_the_face_is_taken_as_it_is_between_parameters_and_v_u():
     rng = np.random.default_rng(5)
     axes = random_axes(rng, 3)
     values = rng.normal(size=(axes[0].size, 6, axes[1].size, axes[2].size))

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import dask
@@ -22,12 +21,12 @@ from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 
 @pytest.fixture
-def copy(swept: Path, tmp_path: Path) -> Path:
+def copy(swept, tmp_path):
     """Return a copy of the cone map to be damaged."""
     return Path(shutil.copy(swept / "cone.h5", tmp_path / "copy.h5"))
 
 
-def refusal(path: Path, unsealed: bool = False) -> str:
+def refusal(path, unsealed=False):
     """Load a map that must be refused; return the sentence, which names the file."""
     with pytest.raises(MapFileError) as caught:
         lutgen.load_map(path, unsealed)
@@ -37,8 +36,7 @@ def refusal(path: Path, unsealed: bool = False) -> str:
     return message
 
 
-def flip(content: bytes, place: int) -> bytes:
-    """Flip one bit."""
+def flip(content, place):
     return content[:place] + bytes([content[place] ^ 0x10]) + content[place + 1 :]
 
 
@@ -61,18 +59,16 @@ def flip(content: bytes, place: int) -> bytes:
         (lambda whole: flip(whole, 5000), "head that does not match its digest"),
     ],
 )
-def test_bytes_that_are_no_whole_map_are_refused(
-    made: Callable[[bytes], bytes], said: str, copy: Path
-) -> None:
+def test_bytes_that_are_no_whole_map_are_refused(made, said, copy):
     copy.write_bytes(made(copy.read_bytes()))
     assert re.search(said, refusal(copy))
 
 
-def test_what_is_no_file_and_an_unfinished_one_are_refused_with_the_way_out(tmp_path: Path) -> None:
+def test_what_is_no_file_and_an_unfinished_one_are_refused_with_the_way_out(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.h5")
     assert "is a folder" in refusal(tmp_path)
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -91,8 +87,8 @@ REWRITTEN = {
 
 @pytest.mark.parametrize("how", REWRITTEN)
 def test_a_map_that_another_program_has_rewritten_is_said_to_be_and_can_be_read(
-    how: str, swept: Path, tmp_path: Path
-) -> None:
+    how, swept, tmp_path
+):
     whole, path = swept / "cone.h5", tmp_path / "rewritten.h5"
     if REWRITTEN[how]:
         if shutil.which("h5repack") is None:
@@ -117,7 +113,7 @@ def test_a_map_that_another_program_has_rewritten_is_said_to_be_and_can_be_read(
         verify(got)
 
 
-def test_a_map_that_another_process_writes_to_is_not_called_damaged(copy: Path) -> None:
+def test_a_map_that_another_process_writes_to_is_not_called_damaged(copy):
     code = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); print(flush=True); input()"
     other = subprocess.Popen(
         [sys.executable, "-c", code, str(copy)],
@@ -135,9 +131,7 @@ def test_a_map_that_another_process_writes_to_is_not_called_damaged(copy: Path) 
 
 @pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("channel", ALL_CHANNELS)
-def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(
-    copy: Path, channel: str, place: float
-) -> None:
+def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(copy, channel, place):
     before = lutgen.load_map(copy)
     assert before[channel].size
     with h5py.File(copy, "r") as file:
@@ -153,7 +147,7 @@ def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(
     assert all(stability_map[name].size for name in ALL_CHANNELS if name != channel)
 
 
-def test_values_of_another_map_are_not_those_of_this_one(copy: Path, tmp_path: Path) -> None:
+def test_values_of_another_map_are_not_those_of_this_one(copy, tmp_path):
     other = tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=59.0)
     lutgen.sweep(lutgen.parse_recipe(other), tmp_path / "other.h5")
     foreign, content = (tmp_path / "other.h5").read_bytes(), copy.read_bytes()
@@ -169,8 +163,7 @@ def test_values_of_another_map_are_not_those_of_this_one(copy: Path, tmp_path: P
         verify(lutgen.load_map(copy))
 
 
-def edit(path: Path, key: str, value: object) -> None:
-    """Change a root attribute, or remove it."""
+def edit(path, key, value):
     with h5py.File(path, "r+") as file:
         del file.attrs[key]
         if value is not None:
@@ -194,17 +187,15 @@ def edit(path: Path, key: str, value: object) -> None:
         ("title", None, "lacks the attribute `title`"),
     ],
 )
-def test_a_file_that_is_read_without_a_seal_must_be_a_map(
-    copy: Path, key: str, value: object, said: str
-) -> None:
+def test_a_file_that_is_read_without_a_seal_must_be_a_map(copy, key, value, said):
     edit(copy, key, value)
     assert re.search(said, refusal(copy, unsealed=True))
 
 
 @pytest.mark.parametrize("how", ["external", "virtual", "link", "soft", "shape", "type", "none"])
 def test_a_channel_that_is_not_in_the_file_as_its_recipe_says_is_refused(
-    how: str, swept: Path, copy: Path, tmp_path: Path
-) -> None:
+    how, swept, copy, tmp_path
+):
     secret = tmp_path / "secret"
     secret.write_bytes(bytes(range(256)) * 4096)
     with h5py.File(copy, "r+") as file:
@@ -227,7 +218,7 @@ def test_a_channel_that_is_not_in_the_file_as_its_recipe_says_is_refused(
     assert "channel sdg is not in the file" in refusal(copy, unsealed=True)
 
 
-def test_whatever_bytes_are_damaged_no_wrong_map_is_verified(swept: Path, copy: Path) -> None:
+def test_whatever_bytes_are_damaged_no_wrong_map_is_verified(swept, copy):
     whole, rng = (swept / "cone.h5").read_bytes(), np.random.default_rng(21)
     count = 1000 if "LUTGEN_SOAK" in os.environ else 50
     for kind in rng.integers(4, size=count):

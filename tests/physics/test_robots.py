@@ -1,7 +1,6 @@
 """What compares imported robots must itself be right: on a car whose numbers are known."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ from tests.fixtures.robots import joint, link, robot
 
 
 @pytest.fixture
-def car(tmp_path: Path) -> Path:
+def car(tmp_path):
     """Return a car of 10 kg on four wheels that are meshes, and a mast that leans by a joint."""
     write(tmp_path / "wheel.stl", cylinder(0.1, 0.05, 48))
     inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
@@ -31,7 +30,7 @@ def car(tmp_path: Path) -> Path:
     return path
 
 
-def test_mass_and_com_are_pinocchios_and_a_wrong_posture_is_named(car: Path) -> None:
+def test_mass_and_com_are_pinocchios_and_a_wrong_posture_is_named(car):
     described, posture, source, made = robots.imported(car)
     recipe = made.recipe
     assert source == "zero, no SRDF names one to stand in"
@@ -43,9 +42,7 @@ def test_mass_and_com_are_pinocchios_and_a_wrong_posture_is_named(car: Path) -> 
     assert faults == [f"com of the recipe differs by {(math.sin(0.5) - math.sin(0.2)) / 16:.2g}"]
 
 
-def test_the_engine_agrees_with_the_limits_and_not_with_wrong_ones(
-    car: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_engine_agrees_with_the_limits_and_not_with_wrong_ones(car, monkeypatch):
     monkeypatch.setattr(robots, "HEADINGS", 4)
     recipe = robots.imported(car)[3].recipe
     assert robots.engine(recipe) == [robots.CLOSE] * 4

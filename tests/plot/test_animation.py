@@ -3,16 +3,12 @@
 import math
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
-import pytest
-from numpy.typing import NDArray
 from PIL import Image
 
 from lutgen.plot import animate
-from lutgen.recipe.recipe import Recipe, load_recipe
-from lutgen.search.driving import Drive, drive
+from lutgen.search.driving import drive
 from lutgen.search.terrain import paper_path, turned
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS
@@ -22,18 +18,12 @@ NOMINAL = [math.atan(0.6)] * 2
 SIZE = (640, 448)
 
 
-@pytest.fixture(scope="module")
-def two() -> Recipe:
-    """Return the paper's robot."""
-    return load_recipe(MAPS / "paper_two.toml")
-
-
-def by_hand(two: Recipe, points: int, **options: bool) -> Drive:
+def by_hand(two, points, **options):
     path = turned(paper_path(points), math.radians(30.0))
-    return drive(two, path, params0=NOMINAL, **options)  # type: ignore[arg-type]
+    return drive(two, path, params0=NOMINAL, **options)
 
 
-def frames(path: Path) -> list[NDArray[np.uint8]]:
+def frames(path):
     """Return the pictures of a GIF, (height, width, 3)."""
     with Image.open(path) as film:
         result = []
@@ -46,9 +36,7 @@ def frames(path: Path) -> list[NDArray[np.uint8]]:
 run = partial(commands.run, "path")
 
 
-def test_a_long_path_has_no_more_frames_and_stays_small(
-    two: Recipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_long_path_has_no_more_frames_and_stays_small(two, tmp_path, monkeypatch):
     monkeypatch.setattr("lutgen.plot.film.MOST_FRAMES", 6)
     film = tmp_path / "long.gif"
     assert animate(two, {"fixed": by_hand(two, 90, control=False)}, film) == 6
@@ -57,27 +45,25 @@ def test_a_long_path_has_no_more_frames_and_stays_small(
     assert film.stat().st_size < 300_000
 
 
-def is_red(picture: NDArray[np.uint8]) -> bool:
+def is_red(picture):
     """Tell whether there is red in the line of the titles."""
     r, g, b = picture[:40].astype(int).transpose(2, 0, 1)
     return bool(((r > 150) & (g < 110) & (b < 110)).any())
 
 
-def test_the_title_is_red_where_the_robot_tips_and_nowhere_else(
-    two: Recipe, tmp_path: Path
-) -> None:
-    fixed = by_hand(two, 16, control=False)
-    changing = by_hand(two, 16)
+def test_the_title_is_red_where_the_robot_tips_and_nowhere_else(two, tmp_path):
+    fixed = by_hand(two, 8, control=False)
+    changing = by_hand(two, 8)
     animate(two, {"fixed shape": fixed, "changing shape": changing}, tmp_path / "film.gif")
     pictures = frames(tmp_path / "film.gif")
     half = SIZE[0] // 2
     for film, drawn in ((slice(None, half), fixed), (slice(half, None), changing)):
         assert [is_red(picture[:, film]) for picture in pictures] == drawn.tips.tolist()
     # Both sides show both, and not the same.
-    assert 0 < changing.tips.sum() < fixed.tips.sum() < 16
+    assert 0 < changing.tips.sum() < fixed.tips.sum() < 8
 
 
-def test_the_command_writes_the_film_of_the_library(two: Recipe, tmp_path: Path) -> None:
+def test_the_command_writes_the_film_of_the_library(two, tmp_path):
     recipe, film = MAPS / "paper_two.toml", tmp_path / "film.gif"
     angles = [f"{name}={math.degrees(NOMINAL[0])!r}" for name in ("alpha", "gamma")]
     given = ("-p", angles[0], "-p", angles[1], "--turn", 30, "--points", 4)
@@ -95,9 +81,7 @@ def test_the_command_writes_the_film_of_the_library(two: Recipe, tmp_path: Path)
     assert all((one != other).any() for one, other in pairwise(frames(film)))
 
 
-def test_what_cannot_be_written_is_said_in_one_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_cannot_be_written_is_said_in_one_sentence(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path))
     for name, said in {
@@ -114,9 +98,7 @@ def test_what_cannot_be_written_is_said_in_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_mp4_gets_every_frame_where_there_is_ffmpeg(
-    two: Recipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_mp4_gets_every_frame_where_there_is_ffmpeg(two, tmp_path, monkeypatch):
     # It stands in for ffmpeg: what comes in goes to the file that is named last.
     program = tmp_path / "ffmpeg"
     program.write_text('#!/bin/sh\nfor last; do :; done\nexec /bin/cat > "$last"\n')

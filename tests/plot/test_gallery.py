@@ -2,9 +2,6 @@
 
 import importlib.util
 import sys
-from collections.abc import Iterator
-from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -13,8 +10,7 @@ from tests.fixtures.places import MAPS, ROOT
 
 
 @pytest.fixture(scope="module")
-def gallery() -> Iterator[ModuleType]:
-    """Return tools/gallery.py as a module."""
+def gallery():
     path = ROOT / "tools" / "gallery.py"
     spec = importlib.util.spec_from_file_location("gallery", path)
     assert spec is not None
@@ -27,7 +23,7 @@ def gallery() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def swept(tmp_path_factory):
     """Return a recipe without an entry in the gallery's table, and its small map."""
     folder = tmp_path_factory.mktemp("swept")
     text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
@@ -39,9 +35,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return recipe, folder / "newcomer.h5"
 
 
-def test_a_new_recipe_gets_figures_and_a_part_of_the_page(
-    gallery: ModuleType, swept: tuple[Path, Path], tmp_path: Path
-) -> None:
+def test_a_new_recipe_gets_figures_and_a_part_of_the_page(gallery, swept, tmp_path):
     recipe, map_path = swept
     page = tmp_path / "README.md"
     page.write_text("# Mine\n\nWritten by hand.\n", encoding="utf-8")
@@ -56,7 +50,7 @@ def test_a_new_recipe_gets_figures_and_a_part_of_the_page(
     assert all(f'src="newcomer/{name}"' in text for name in pictures)
 
 
-def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
+def test_only_the_lines_between_the_markers_change(gallery):
     page = (
         "a\n<!-- gallery x -->\nold\n<!-- end of x -->\nb\n<!-- gallery y -->\n<!-- end of y -->\n"
     )
@@ -67,9 +61,7 @@ def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
     assert gallery.with_block(grown, "z", "new") == grown
 
 
-def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
-    gallery: ModuleType,
-) -> None:
+def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(gallery):
     page = (MAPS / "README.md").read_text(encoding="utf-8")
     for path in sorted(MAPS.glob("*.toml")):
         assert path.stem in gallery.SHOTS
@@ -79,28 +71,3 @@ def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page
             picture = MAPS / path.stem / f"{shot.name}.png"
             assert picture.stat().st_size < 265_000
             assert f'src="{path.stem}/{shot.name}.png"' in page
-
-
-def test_the_papers_figures_get_their_part_of_the_page(
-    gallery: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    # The gallery's module is found by the name under which the fixture registered it.
-    path = ROOT / "tools" / "paper_gallery.py"
-    spec = importlib.util.spec_from_file_location("paper_gallery", path)
-    assert spec is not None
-    assert spec.loader is not None
-    paper = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(paper)
-    report, page = tmp_path / "report", tmp_path / "README.md"
-    report.mkdir()
-    page.write_text("# Mine\n", encoding="utf-8")
-    command = [str(report), "--output", str(tmp_path)]
-    assert paper.main(command) == 1
-    assert "there is no such figure" in capsys.readouterr().err
-    for stem in paper.CAPTIONS:
-        (report / f"{stem}.png").write_bytes(stem.encode())
-    assert paper.main(command) == 0
-    text = page.read_text(encoding="utf-8")
-    for stem in paper.CAPTIONS:
-        assert (tmp_path / "paper" / f"{stem}.png").read_bytes() == stem.encode()
-        assert f'src="paper/{stem}.png"' in text

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.plot.painter import Camera, Solid, box, frame_of, from_the_back
+from lutgen.plot.painter import Camera, box, frame_of, from_the_back
 from lutgen.plot.solids import solids_of
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, rigid
@@ -13,7 +13,7 @@ from tests.fixtures.recipes import contact, rigid
 UP = np.eye(3)
 
 
-def depth_along(solid: Solid, start: np.ndarray, look: np.ndarray) -> float:
+def depth_along(solid, start, look):
     """Return how near to the eye a ray meets a solid, -inf if it does not; by its half spaces."""
     along = solid.normals @ look
     reach = solid.offsets - solid.normals @ start
@@ -26,7 +26,7 @@ def depth_along(solid: Solid, start: np.ndarray, look: np.ndarray) -> float:
     return float(high) if low < high else -np.inf
 
 
-def test_of_two_solids_the_nearer_one_is_painted_later() -> None:
+def test_of_two_solids_the_nearer_one_is_painted_later():
     rng = np.random.default_rng(8)
     compared = 0
     for _ in range(10):
@@ -49,7 +49,7 @@ def test_of_two_solids_the_nearer_one_is_painted_later() -> None:
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -1], [0.6, 0, -0.8], [-0.3, 0.5, -0.81], [1, 0, 0]])
-def test_gravity_points_down_the_page_and_the_nose_ahead(gravity: list[float]) -> None:
+def test_gravity_points_down_the_page_and_the_nose_ahead(gravity):
     down = np.array(gravity) / np.linalg.norm(gravity)
     turn = frame_of(-down)
     # A few products of unit vectors.
@@ -59,7 +59,7 @@ def test_gravity_points_down_the_page_and_the_nose_ahead(gravity: list[float]) -
     assert abs((turn @ UP[0])[1]) < 1e-12
 
 
-def test_a_wheel_is_as_wide_as_it_says_and_lies_inwards_of_its_rim() -> None:
+def test_a_wheel_is_as_wide_as_it_says_and_lies_inwards_of_its_rim():
     wheels = "".join(
         contact(f"w{i}", (x, y, -0.3), 0.1, (0.0, 1.0, 0.0)) + "width = 0.25\n"
         for i, (x, y) in enumerate([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)])
@@ -71,7 +71,7 @@ def test_a_wheel_is_as_wide_as_it_says_and_lies_inwards_of_its_rim() -> None:
         assert (near, far) == (pytest.approx(0.4), pytest.approx(0.15))
 
 
-def test_discs_of_one_belt_are_one_track_and_a_shape_is_a_box() -> None:
+def test_discs_of_one_belt_are_one_track_and_a_shape_is_a_box():
     belts = "".join(
         contact(f"w{i}", (x, y, -0.3), 0.1, (0.0, 1.0, 0.0)) + f'belt = "{side}"\n'
         for i, (x, y, side) in enumerate(
@@ -87,7 +87,7 @@ def test_discs_of_one_belt_are_one_track_and_a_shape_is_a_box() -> None:
 
 
 @pytest.mark.parametrize("name", [path.stem for path in sorted(MAPS.glob("*.toml"))])
-def test_every_robot_of_the_gallery_has_solids_at_its_contacts(name: str) -> None:
+def test_every_robot_of_the_gallery_has_solids_at_its_contacts(name):
     recipe = lutgen.load_recipe(MAPS / f"{name}.toml")
     middle = np.array([(p.minimum + p.maximum) / 2.0 for p in recipe.parameters])
     solids = solids_of(recipe, middle)

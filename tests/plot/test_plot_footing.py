@@ -22,11 +22,11 @@ FEET = Footing(
 )
 
 
-def footing(**changes: object) -> Footing:
-    return Footing(**(vars(FEET) | changes))  # type: ignore[arg-type]
+def footing(**changes):
+    return Footing(**(vars(FEET) | changes))
 
 
-def test_the_region_is_filled_in_one_scale_with_units_and_forces_if_it_holds() -> None:
+def test_the_region_is_filled_in_one_scale_with_units_and_forces_if_it_holds():
     found = FEET.equilibrium()
     figure = draw_footing(FEET, found)
     (axes,) = figure.axes
@@ -42,7 +42,7 @@ def test_the_region_is_filled_in_one_scale_with_units_and_forces_if_it_holds() -
     assert names.count("") >= 2
 
 
-def test_the_title_says_if_it_does_not_hold_and_there_are_no_forces() -> None:
+def test_the_title_says_if_it_does_not_hold_and_there_are_no_forces():
     tips = footing(com=np.array([50.0, 0.0, 40.0]))
     figure = draw_footing(tips, tips.equilibrium())
     assert figure.texts[0].get_text() == "Does not hold, margin \N{MINUS SIGN}20 cm"
@@ -51,7 +51,7 @@ def test_the_title_says_if_it_does_not_hold_and_there_are_no_forces() -> None:
     assert draw_footing(nowhere, nowhere.equilibrium()).texts[0].get_text() == "Does not hold"
 
 
-def test_lines_points_and_open_regions_stay_in_the_picture() -> None:
+def test_lines_points_and_open_regions_stay_in_the_picture():
     down = {"friction": np.full(2, 0.5), "names": ("a", "b")}
     walls = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
     between = footing(points=10.0 * -walls, normals=walls, **down)

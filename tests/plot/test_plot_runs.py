@@ -1,37 +1,27 @@
 """Figures of tilt limits and of paths: what they draw is what was computed."""
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 
 from lutgen.analysis import Posture, posture_limits, sweep_limits, tilt_limits
 from lutgen.plot import draw_limits, draw_path, save
 from lutgen.plot.path import CAMERA
 from lutgen.plot.style import LIGHT
-from lutgen.recipe import Recipe, load_recipe, parse_recipe
-from lutgen.search import Drive, drive, paper_path, turned
+from lutgen.recipe import parse_recipe
+from lutgen.search import drive, paper_path, turned
 from lutgen.search.terrain import along
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod
 
 
-@pytest.fixture(scope="module")
-def two() -> Recipe:
-    """Return the paper's robot."""
-    return load_recipe(MAPS / "paper_two.toml")
-
-
-def by_hand(two: Recipe, points: int, **options: Any) -> Drive:
+def by_hand(two, points, **options):
     path = turned(paper_path(points), math.radians(30.0))
     return drive(two, path, params0=np.radians([30.963756532073525] * 2), **options)
 
 
-def test_the_figure_of_limits_holds_them() -> None:
+def test_the_figure_of_limits_holds_them():
     robot = parse_recipe(tripod())
     rows = robot.grid.params(np.arange(robot.grid.size))
     found = posture_limits(Posture(robot, rows[4]))
@@ -39,7 +29,7 @@ def test_the_figure_of_limits_holds_them() -> None:
     figure = draw_limits(robot, found, swept)
     lines = {str(line.get_label()): line for line in figure.axes[0].get_lines()}
 
-    def polar(label: str) -> tuple[Any, Any]:
+    def polar(label):
         x, y = (np.asarray(part)[:-1] for part in lines[label].get_data())
         return np.arctan2(-x, y), 90.0 * np.hypot(x, y)
 
@@ -58,7 +48,7 @@ def test_the_figure_of_limits_holds_them() -> None:
     assert "worst posture" not in {line.get_label() for line in only_best}
 
 
-def test_red_is_where_it_tips_over_and_nowhere_else(two: Recipe) -> None:
+def test_red_is_where_it_tips_over_and_nowhere_else(two):
     fixed, changing = by_hand(two, 100, control=False), by_hand(two, 100)
     figure = draw_path(two, {"fixed shape": fixed, "changing shape": changing})
     for axes, drawn in zip(figure.axes[:2], (fixed, changing), strict=True):
@@ -77,9 +67,9 @@ def test_red_is_where_it_tips_over_and_nowhere_else(two: Recipe) -> None:
     np.testing.assert_array_equal(geometry.lines[0].get_ydata(), np.degrees(changing.params[:, 0]))
 
 
-def inside_paper(figure: Figure) -> bool:
+def inside_paper(figure):
     """Tell whether all texts of a figure are on the paper."""
-    canvas: Any = figure.canvas
+    canvas = figure.canvas
     renderer = canvas.get_renderer()
     texts = [text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label)]
     boxes = [
@@ -97,7 +87,7 @@ def inside_paper(figure: Figure) -> bool:
         [[1e6, 5, 0], [1e6 + 1, 5, 2], [1e6 + 1.5, 5, 3]],
     ],
 )
-def test_any_path_is_drawn_within_the_paper(two: Recipe, points: Any, tmp_path: Path) -> None:
+def test_any_path_is_drawn_within_the_paper(two, points, tmp_path):
     rates = {"alpha": 0.001}
     straight = drive(two, along(points), control=False)
     free = drive(two, along(points), lag=0, headings=8, rates=rates, speed=1.0)

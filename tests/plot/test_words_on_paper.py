@@ -4,13 +4,12 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from lutgen.plot import draw, on_sheet
 from lutgen.plot.fonts import said_once
 from lutgen.plot.style import ANGLES, FACTOR, ink_on
-from lutgen.recipe import Recipe, parse_recipe
+from lutgen.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.recipes import tripod
 
@@ -23,7 +22,7 @@ PLAIN = ("front", "rear", "left", "wheel", "suspension", "a", "of_the", "carrier
 SYLLABLES = (*PLAIN, "Höhe", "роботик", "ύψος", "履帯", "גלגל", "$5", r"\\t", "x^2", "manipulator")
 
 
-def corners(text: Text) -> np.ndarray:
+def corners(text):
     """Return the corners (4, 2) of a text's box, turned as the text is, dots."""
     turn = text.get_rotation()
     text.set_rotation(0.0)
@@ -37,7 +36,7 @@ def corners(text: Text) -> np.ndarray:
     return middle + signs * np.array([box.width, box.height]) / 2.0 @ axes
 
 
-def apart(one: np.ndarray, other: np.ndarray) -> bool:
+def apart(one, other):
     """Tell whether a line separates two boxes, which is along a side of one of them."""
     sides = [box[i] - box[0] for box in (one, other) for i in (1, 2)]
     return any(
@@ -47,9 +46,9 @@ def apart(one: np.ndarray, other: np.ndarray) -> bool:
     )
 
 
-def check(figure: Figure, what: str) -> None:
+def check(figure, what):
     """Demand that no text covers another and none leaves the paper."""
-    drawn: dict[int, Text] = {}
+    drawn = {}
     with pytest.MonkeyPatch.context() as patch, said_once():
         draw_text = Text.draw
         patch.setattr(
@@ -69,11 +68,11 @@ def check(figure: Figure, what: str) -> None:
         assert inside, f"{what}: {text!r} leaves the paper"
 
 
-def strange(seed: int) -> Recipe:
+def strange(seed):
     """Return a robot with names of all lengths and in several scripts, and with lines in them."""
     rng = np.random.default_rng(seed)
 
-    def name(most: int, parts: tuple[str, ...] = SYLLABLES) -> str:
+    def name(most, parts=SYLLABLES):
         return "_".join(rng.choice(parts, int(rng.integers(1, most)))) + f"_{rng.integers(1000)}"
 
     chart = rng.choice(["cone", "sphere"])
@@ -86,12 +85,12 @@ def strange(seed: int) -> Recipe:
 
 @pytest.mark.filterwarnings("error:Glyph")
 @pytest.mark.parametrize("seed", range(STRANGE))
-def test_words_of_figures_of_strange_robots_cover_nothing(seed: int) -> None:
+def test_words_of_figures_of_strange_robots_cover_nothing(seed):
     recipe, kind = strange(seed), KINDS[seed % len(KINDS)]
     check(draw(kind, recipe), f"robot {seed}, {kind}")
 
 
-def test_words_stay_apart_at_the_narrowest_size() -> None:
+def test_words_stay_apart_at_the_narrowest_size():
     with on_sheet("85"):
         for kind in ("curve", "polar"):
             figure = draw(kind, strange(3))
@@ -101,7 +100,7 @@ def test_words_stay_apart_at_the_narrowest_size() -> None:
         assert draw("robot", strange(3)).get_figheight() <= 80.0 / 25.4 + 1e-9
 
 
-def test_letters_on_colours_can_be_read() -> None:
+def test_letters_on_colours_can_be_read():
     for cmap in (ANGLES, FACTOR):
         fills = cmap(np.linspace(0.0, 1.0, 64))[:, :3]
         linear = np.where(fills <= 0.04045, fills / 12.92, ((fills + 0.055) / 1.055) ** 2.4)

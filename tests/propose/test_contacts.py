@@ -14,9 +14,8 @@ from lutgen.propose.effects import effects, inner_contacts
 from lutgen.recipe import Recipe
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import read_motion
-from lutgen.urdf.links import places
+from lutgen.urdf.links import link_contacts, places
 from lutgen.urdf.read import parse_urdf
-from lutgen.urdf.shapes import link_contacts
 from tests.fixtures.recipes import contact, rigid
 from tests.fixtures.robots import collision, joint, link, robot
 

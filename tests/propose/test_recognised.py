@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.propose import Imported, import_urdf
-from lutgen.recipe import Recipe
+from lutgen.propose import import_urdf
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import load_urdf
 from lutgen.urdf.sources import Sources
@@ -22,7 +21,7 @@ HULL = written("hull.stl", "0 0 0.1")
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with a wheel, a hull, a sole and a leg, made the working folder."""
     for suffix in (".stl", ".obj", ".dae"):
         write(tmp_path / f"wheel{suffix}", cylinder(0.1, 0.05, 24))
@@ -33,7 +32,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def car(shape: str, kind: str = "continuous") -> str:
+def car(shape, kind="continuous"):
     """Return a car whose four wheels have a shape."""
     parts = [link("base", 10.0, "0 0 0.1", HULL)]
     for name, (x, y) in WHEELS.items():
@@ -44,14 +43,14 @@ def car(shape: str, kind: str = "continuous") -> str:
     return robot(*parts, name="car")
 
 
-def imported(text: str, contacts: list[str] | None = None) -> tuple[Recipe, Imported]:
+def imported(text, contacts=None):
     """Return what comes of a description in the working folder."""
     Path("a.urdf").write_text(text, encoding="utf-8")
     made = import_urdf(load_urdf("a.urdf"), contacts, meshes=Meshes(Sources(Path())))
     return made.recipe, made
 
 
-def test_wheels_that_are_meshes_give_the_recipe_of_wheels_that_are_cylinders(folder: Path) -> None:
+def test_wheels_that_are_meshes_give_the_recipe_of_wheels_that_are_cylinders(folder):
     recipe, made = imported(car(written("wheel.stl")))
     turned = f"{0.5 * math.pi!r} 0 0"
     wanted, _ = imported(car(collision('cylinder radius="0.1" length="0.05"', "0 0 0", turned)))
@@ -73,7 +72,7 @@ def test_wheels_that_are_meshes_give_the_recipe_of_wheels_that_are_cylinders(fol
         assert imported(car(written(f"wheel{suffix}")))[1].text == made.text
 
 
-def test_the_recipe_has_the_guess_as_numbers_with_its_sentence(folder: Path) -> None:
+def test_the_recipe_has_the_guess_as_numbers_with_its_sentence(folder):
     Path("car.urdf").write_text(car(written("wheel.stl")), encoding="utf-8")
     said = good("import", "car.urdf", "-o", "car.toml")
     note = "a wheel of radius 100.00 mm and width 50.00 mm, off by at most 0.86 mm"
@@ -88,9 +87,7 @@ def test_the_recipe_has_the_guess_as_numbers_with_its_sentence(folder: Path) -> 
     assert left == pytest.approx(math.degrees(math.atan(0.225 / height)), abs=0.01)
 
 
-def test_wheels_on_fixed_joints_are_discs_and_looks_serve_where_there_is_nothing_else(
-    folder: Path,
-) -> None:
+def test_wheels_on_fixed_joints_are_discs_and_looks_serve_where_there_is_nothing_else(folder):
     recipe, made = imported(car(written("wheel.stl"), "fixed"))
     assert {contact.kind for contact in recipe.contacts} == {"disc"}
     assert made.guessed[0].startswith("fl, fr, rl, rr: a disc of radius 100.00 mm")
@@ -104,7 +101,7 @@ def test_wheels_on_fixed_joints_are_discs_and_looks_serve_where_there_is_nothing
     assert made.guessed == ()
 
 
-def walker(foot: str) -> str:
+def walker(foot):
     """Return a robot on two legs of 0.4 m with feet, and a sensor on a shank."""
     parts = [link("base", 5.0, inside=written("hull.stl", "0 0 0.3"))]
     for side, y in (("left", 0.1), ("right", -0.1)):
@@ -118,7 +115,7 @@ def walker(foot: str) -> str:
     return robot(*parts, name="walker")
 
 
-def test_two_soles_are_eight_corners_and_the_shanks_are_none(folder: Path) -> None:
+def test_two_soles_are_eight_corners_and_the_shanks_are_none(folder):
     recipe, made = imported(walker(written("sole.stl", "0.03 0 0")))
     assert [c.link for c in recipe.contacts] == ["left_foot"] * 4 + ["right_foot"] * 4
     assert sorted(c.position for c in recipe.contacts[:4]) == [
@@ -127,7 +124,7 @@ def test_two_soles_are_eight_corners_and_the_shanks_are_none(folder: Path) -> No
     assert "the corners of a flat sole" in made.guessed[0]
 
 
-def test_a_ball_beside_a_mesh_is_what_the_wheel_stands_on(folder: Path) -> None:
+def test_a_ball_beside_a_mesh_is_what_the_wheel_stands_on(folder):
     recipe, made = imported(car(collision('sphere radius="0.099"') + written("wheel.stl")))
     assert {c.radius for c in recipe.contacts} == {0.099}
     assert made.guessed == ()
@@ -136,7 +133,7 @@ def test_a_ball_beside_a_mesh_is_what_the_wheel_stands_on(folder: Path) -> None:
     assert {c.radius for c in recipe.contacts} == {0.09, 0.1}
 
 
-def test_what_is_named_is_opened_wherever_it_is(folder: Path) -> None:
+def test_what_is_named_is_opened_wherever_it_is(folder):
     names = [*WHEELS, "base"]
     recipe, _ = imported(car(written("wheel.stl")), contacts=names)
     hull = [contact for contact in recipe.contacts if contact.link == "body"]
@@ -146,12 +143,9 @@ def test_what_is_named_is_opened_wherever_it_is(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
-    [("none.stl", "there is no such file"), ("broken.stl", "has no triangle")],
+    ("name", "said"), [("none.stl", "there is no such file"), ("broken.stl", "has no triangle")]
 )
-def test_a_mesh_that_is_not_needed_is_named_and_refuses_nothing(
-    name: str, said: str, folder: Path
-) -> None:
+def test_a_mesh_that_is_not_needed_is_named_and_refuses_nothing(name, said, folder):
     (folder / "broken.stl").write_bytes(b"\0" * 84)
     cylinders = collision('cylinder radius="0.1" length="0.05"', rpy=f"{0.5 * math.pi!r} 0 0")
     recipe, made = imported(car(cylinders).replace("hull.stl", name))
@@ -161,7 +155,7 @@ def test_a_mesh_that_is_not_needed_is_named_and_refuses_nothing(
         imported(car(written(name)))
 
 
-def arm(base: str, length: float) -> str:
+def arm(base, length):
     """Return an arm of 3 kg on a root of 1 kg, which hangs out to one side."""
     limit = '<axis xyz="0 0 1"/><limit lower="-3" upper="3"/>'
     return robot(
@@ -172,7 +166,7 @@ def arm(base: str, length: float) -> str:
     )
 
 
-def test_an_arm_that_is_bolted_down_is_refused_with_the_reason(folder: Path) -> None:
+def test_an_arm_that_is_bolted_down_is_refused_with_the_reason(folder):
     with pytest.raises(RecipeError) as caught:
         imported(arm(written("sole.stl"), 0.5))
     assert (

@@ -6,9 +6,7 @@ import numpy as np
 
 from lutgen.propose import import_urdf
 from lutgen.propose.couplings import Coupling
-from lutgen.recipe import Recipe
 from lutgen.recipe.kinematics import forward
-from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.read import load_urdf, parse_urdf
 from lutgen.urdf.srdf import load_srdf
 from tests.fixtures.places import VECTORS
@@ -21,7 +19,7 @@ LEGS = ("FL", "FR", "RL", "RR")
 ALL_HIPS = {"FL_hip_joint": 1.0, "FR_hip_joint": -1.0, "RL_hip_joint": 1.0, "RR_hip_joint": -1.0}
 
 
-def axis(text: str, joint: str, turned: str) -> str:
+def axis(text, joint, turned):
     """Return a description in which a joint has another axis."""
     pattern = rf'(name="{joint}".*?axis xyz=")[^"]*'
     found, count = re.subn(pattern, rf"\g<1>{turned}", text, count=1, flags=re.DOTALL)
@@ -29,13 +27,13 @@ def axis(text: str, joint: str, turned: str) -> str:
     return found
 
 
-def proposed(robot: UrdfRobot, posture: dict[str, float] | None = None) -> dict[str, list[float]]:
+def proposed(robot, posture=None):
     """Return the signs of each proposed parameter, in the order of the legs."""
     found = import_urdf(robot, posture=posture or STANDING).couples
     return {name: list(joints.values()) for name, joints in found.items()}
 
 
-def test_legs_that_bend_the_same_way_move_the_same_way() -> None:
+def test_legs_that_bend_the_same_way_move_the_same_way():
     found = import_urdf(parse_urdf(QUADRUPED), posture=STANDING)
     assert found.couples["hip"] == ALL_HIPS
     assert set(found.couples["thigh"].values()) == {1.0}
@@ -44,7 +42,7 @@ def test_legs_that_bend_the_same_way_move_the_same_way() -> None:
     assert [p.name for p in found.recipe.parameters] == ["hip", "thigh", "knee"]
 
 
-def test_legs_whose_knees_point_at_each_other_mirror_each_other() -> None:
+def test_legs_whose_knees_point_at_each_other_mirror_each_other():
     text = QUADRUPED
     for leg in ("RL", "RR"):
         text = re.sub(
@@ -70,7 +68,7 @@ def test_legs_whose_knees_point_at_each_other_mirror_each_other() -> None:
     }
 
 
-def test_the_sign_comes_from_the_axis_and_not_from_the_name() -> None:
+def test_the_sign_comes_from_the_axis_and_not_from_the_name():
     # A hip turned about -x and a thigh about -y: as many builders have their right side.
     text = axis(axis(QUADRUPED, "FR_hip_joint", "-1 0 0"), "RL_thigh_joint", "0 -1 0")
     posture = STANDING | {"RL_thigh_joint": -0.7}
@@ -87,13 +85,13 @@ def test_the_sign_comes_from_the_axis_and_not_from_the_name() -> None:
     }
 
 
-def test_a_joint_about_another_axis_is_not_one_of_them() -> None:
+def test_a_joint_about_another_axis_is_not_one_of_them():
     found = proposed(parse_urdf(axis(QUADRUPED, "RR_hip_joint", "0 0 1")))
     assert found["hip"] == [1.0, -1.0, 1.0]
     assert len(found) == 3
 
 
-def test_numbered_legs_are_found_by_where_they_are() -> None:
+def test_numbered_legs_are_found_by_where_they_are():
     text = QUADRUPED
     for number, leg in enumerate(LEGS, 1):
         text = re.sub(rf"{leg}_(\w+)_joint", rf"j_\1_{number}", text)
@@ -107,18 +105,18 @@ def test_numbered_legs_are_found_by_where_they_are() -> None:
     }
 
 
-def test_joints_in_a_row_of_one_name_are_not_coupled() -> None:
+def test_joints_in_a_row_of_one_name_are_not_coupled():
     # Left and right are words of these names, but the second hangs from the first.
     text = QUADRUPED.replace("FR_knee_joint", "left_bend").replace("FR_thigh_joint", "right_bend")
     found = import_urdf(parse_urdf(text)).couples
     assert not any({"left_bend", "right_bend"} & set(joints) for joints in found.values())
 
 
-def coupled() -> Recipe:
+def coupled():
     return import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
 
 
-def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot() -> None:
+def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot():
     recipe = coupled()
     rng = np.random.default_rng(3)
     low, high = zip(*((p.minimum, p.maximum) for p in recipe.parameters), strict=True)
@@ -137,7 +135,7 @@ def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot() 
     assert abs(forward(sway, [[0.3]]).com[0, 1]) > 1e-3
 
 
-def test_coupled_legs_are_where_independent_ones_are_at_the_same_angles() -> None:
+def test_coupled_legs_are_where_independent_ones_are_at_the_same_angles():
     robot = parse_urdf(QUADRUPED)
     recipe = coupled()
     names = [f"{leg}_{part}_joint" for leg in LEGS for part in ("hip", "thigh", "knee")]

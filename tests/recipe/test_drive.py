@@ -20,7 +20,7 @@ TIPS = "".join(
 TIPS += '[[robot.contact]]\nname = "tail"\nlink = "chassis"\nposition = [-0.3, 0, -0.1]\n'
 
 
-def recipe_text(drive: str, low: float = -40.0, high: float = 40.0, unit: str = "deg") -> str:
+def recipe_text(drive, low=-40.0, high=40.0, unit="deg"):
     """Return a recipe whose parameter `reach` has these further lines."""
     return (
         '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n[[robot.parameter]]\n'
@@ -29,7 +29,7 @@ def recipe_text(drive: str, low: float = -40.0, high: float = 40.0, unit: str = 
     )
 
 
-def test_each_joint_is_at_its_scale_times_the_parameter_plus_its_offset() -> None:
+def test_each_joint_is_at_its_scale_times_the_parameter_plus_its_offset():
     drive = "drive = { arms = 1.0, right_arm_joint = { scale = -0.5, offset = 10.0 } }"
     recipe = lutgen.parse_recipe(recipe_text(drive), urdf=LOOSE)
     angle = math.radians(24.0)
@@ -83,7 +83,7 @@ ROOM = "the limits of 'arms', 'right_arm_joint'"
         ),
     ],
 )
-def test_a_drive_that_the_description_cannot_follow_is_refused(text: str, said: str) -> None:
+def test_a_drive_that_the_description_cannot_follow_is_refused(text, said):
     with pytest.raises(RecipeError, match=r"^r\.toml: .*\.$") as caught:
         lutgen.parse_recipe(text, "r.toml", urdf=LOOSE)
     assert said in str(caught.value)

@@ -1,7 +1,6 @@
 """The key `home`: what it may hold, and which commands and figures stand there."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -17,14 +16,14 @@ HALF = "home = { swing = 20 }"
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     """Return a recipe file with a `home`."""
     file = tmp_path / "tripod.toml"
     file.write_text(tripod(head=WHOLE), encoding="utf-8")
     return file
 
 
-def test_home_becomes_radians_and_the_middle_fills_what_it_leaves_out() -> None:
+def test_home_becomes_radians_and_the_middle_fills_what_it_leaves_out():
     recipe = lutgen.parse_recipe(tripod(head=WHOLE))
     assert recipe.home == {"reach": 0.1, "swing": math.radians(20.0)}
     assert recipe.home_params == (0.1, math.radians(20.0))
@@ -36,7 +35,7 @@ def test_home_becomes_radians_and_the_middle_fills_what_it_leaves_out() -> None:
     assert none.home_params == pytest.approx((0.3, math.radians(5.0)), rel=1e-15)
 
 
-def test_eval_limits_and_metrics_stand_at_home_and_say_so(path: Path) -> None:
+def test_eval_limits_and_metrics_stand_at_home_and_say_so(path):
     for command in ("eval", "limits", "metrics"):
         found = data(command, path)
         given = data(command, path, "-p", "reach=0.1", "-p", "swing=20")
@@ -49,7 +48,7 @@ def test_eval_limits_and_metrics_stand_at_home_and_say_so(path: Path) -> None:
     assert "reach = 0.1 m, swing = 20 deg (home)\n" in said_by("limits", path)
 
 
-def test_what_is_given_comes_first_and_the_middle_last(path: Path) -> None:
+def test_what_is_given_comes_first_and_the_middle_last(path):
     path.write_text(tripod(head=HALF), encoding="utf-8")
     mixed = data("eval", path)
     assert mixed["posture_from"] == "home: swing; middle of the range: reach"
@@ -60,9 +59,7 @@ def test_what_is_given_comes_first_and_the_middle_last(path: Path) -> None:
     assert data("limits", path)["posture_from"] == "middle of the range"
 
 
-def test_check_warns_where_the_robot_lies_on_its_body_or_tips_at_home(
-    path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_check_warns_where_the_robot_lies_on_its_body_or_tips_at_home(path, caplog):
     belly = '[[robot.link]]\nname = "belly"\nparent = "body"\nmass = 0.5\ncom = [0.0, 0.0, -1.5]\n'
     text = path.read_text(encoding="utf-8")
     text = text.replace("[[robot.contact]]", f"{belly}[[robot.contact]]", 1)
@@ -83,7 +80,7 @@ def test_check_warns_where_the_robot_lies_on_its_body_or_tips_at_home(
     assert "tips over on level ground" in warning
 
 
-def test_shapes_of_a_description_are_body_too(tmp_path: Path) -> None:
+def test_shapes_of_a_description_are_body_too(tmp_path):
     # A ball under the chassis of the rover, so large that it reaches through the ground.
     urdf = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
     keel = link("keel", inside=collision('sphere radius="0.3"'))

@@ -12,7 +12,7 @@ from tests.fixtures.places import MAPS, VECTORS
 ABSOLEM = (MAPS / "absolem.toml").read_text(encoding="utf-8")
 
 
-def replaced(text: str, *pairs: tuple[str, str]) -> str:
+def replaced(text, *pairs):
     """Return a text with each pair's first text, which must be in it, as its second."""
     for old, new in pairs:
         assert old in text
@@ -21,11 +21,11 @@ def replaced(text: str, *pairs: tuple[str, str]) -> str:
 
 
 @pytest.mark.parametrize("text", [ABSOLEM, *map(start_recipe, start_recipes())])
-def test_a_recipe_merged_with_itself_stays_as_it_is(text: str) -> None:
+def test_a_recipe_merged_with_itself_stays_as_it_is(text):
     assert merged_recipe(text, "robot.toml", text) == (text, ())
 
 
-def test_links_are_the_descriptions_and_everything_else_the_recipes() -> None:
+def test_links_are_the_descriptions_and_everything_else_the_recipes():
     edited = replaced(
         ABSOLEM,
         ("mass = 3.18\n", "mass = 3.18    # weighed in May\n"),
@@ -57,7 +57,7 @@ def test_links_are_the_descriptions_and_everything_else_the_recipes() -> None:
     )
 
 
-def test_links_that_only_one_has_or_that_move_in_one_stay_and_are_named() -> None:
+def test_links_that_only_one_has_or_that_move_in_one_stay_and_are_named():
     joint = 'joint = { type = "revolute", axis = [0, 1, 0], parameter = "front", scale = -1.0 }\n'
     fresh = replaced(
         ABSOLEM,
@@ -73,7 +73,7 @@ def test_links_that_only_one_has_or_that_move_in_one_stay_and_are_named() -> Non
     )
 
 
-def test_a_link_whose_joint_was_switched_off_stays_fixed() -> None:
+def test_a_link_whose_joint_was_switched_off_stays_fixed():
     joint = '{ type = "revolute", axis = [0, 1, 0], parameter = "front", scale = -1.0 }'
     edited = replaced(ABSOLEM, (joint, '{ type = "none" }'))
     text, changes = merged_recipe(edited, "robot.toml", ABSOLEM)
@@ -81,7 +81,7 @@ def test_a_link_whose_joint_was_switched_off_stays_fixed() -> None:
     assert changes == ("link front_left_flipper: moves in the description, stays as it is",)
 
 
-def test_a_recipe_that_is_bad_before_or_after_is_refused() -> None:
+def test_a_recipe_that_is_bad_before_or_after_is_refused():
     with pytest.raises(RecipeError, match=r"mine\.toml: key `robot\.colour`"):
         merged_recipe(ABSOLEM.replace("friction =", "colour ="), "mine.toml", ABSOLEM)
     fresh = ABSOLEM.replace("mass = 3.18", "mass = -3.18")
@@ -89,7 +89,7 @@ def test_a_recipe_that_is_bad_before_or_after_is_refused() -> None:
         merged_recipe(ABSOLEM, "mine.toml", fresh)
 
 
-def test_the_command_keeps_what_was_edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_keeps_what_was_edited(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     urdf = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
     Path("rover.urdf").write_text(urdf)

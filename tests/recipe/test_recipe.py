@@ -125,10 +125,7 @@ def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
 
 @pytest.mark.parametrize(
     ("flash", "error", "kept"),
-    [
-        ("16384", "0.01", ("16384", "0.01")),
-        ('"16 KiB"', "1", ("16 KiB", "1")),
-    ],
+    [("16384", "0.01", ("16384", "0.01")), ('"16 KiB"', "1", ("16 KiB", "1"))],
 )
 def test_quantities_may_be_numbers_or_texts(flash, error, kept):
     text = EVERYTHING.replace('"16KiB"', flash).replace('"1%"', error)

@@ -27,7 +27,7 @@ ARMS = '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg
 LIFT = '[[robot.parameter]]\nname = "mast"\njoint = "lift"\nmin = 0.1\nmax = 0.5\nunit = "m"\n'
 
 
-def on(link: str, name: str = "") -> str:
+def on(link, name=""):
     """Return a contact that is derived from its link."""
     return f'[[robot.contact]]\nlink = "{link}"\n' + (f'name = "{name}"\n' if name else "")
 
@@ -38,19 +38,19 @@ ARMS_ONLY = sweep_part("arms = 3")
 
 
 def recipe_text(
-    urdf: str = "rover.urdf",
-    parameters: str = ARMS + LIFT,
-    contacts: str = WHEELS,
-    head: str = 'length_unit = "m"',
-    sweep: str = SWEEP,
-) -> str:
+    urdf="rover.urdf",
+    parameters=ARMS + LIFT,
+    contacts=WHEELS,
+    head='length_unit = "m"',
+    sweep=SWEEP,
+):
     """Return a recipe of the rover."""
     robot = f'[robot]\nname = "rover"\n{head}\nurdf = {urdf!r}\n'
     return robot + parameters + contacts + sweep
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     """Return a recipe file beside the description that it names."""
     shutil.copy(VECTOR, tmp_path / "rover.urdf")
     file = tmp_path / "rover.toml"
@@ -58,7 +58,7 @@ def path(tmp_path: Path) -> Path:
     return file
 
 
-def refusal(text: str, urdf: str | None = ROVER) -> str:
+def refusal(text, urdf=ROVER):
     with pytest.raises(RecipeError) as caught:
         lutgen.parse_recipe(text, "r.toml", urdf=urdf)
     said = str(caught.value)
@@ -66,7 +66,7 @@ def refusal(text: str, urdf: str | None = ROVER) -> str:
     return said
 
 
-def test_links_masses_and_contacts_come_from_the_description(path: Path) -> None:
+def test_links_masses_and_contacts_come_from_the_description(path):
     recipe = lutgen.load_recipe(path)
     assert recipe.contact_names == (
         *("left_arm_1", "left_arm_2", "right_arm_1", "right_arm_2"),
@@ -86,7 +86,7 @@ def test_links_masses_and_contacts_come_from_the_description(path: Path) -> None
     assert np.allclose(places, want, rtol=0, atol=1e-15)
 
 
-def test_contacts_with_a_position_name_links_of_the_description() -> None:
+def test_contacts_with_a_position_name_links_of_the_description():
     points = "".join(contact(f"P{i}", (0.1 * i, i % 2, 0.0), link="mast") for i in range(3))
     recipe = lutgen.parse_recipe(recipe_text(contacts=points), urdf=ROVER)
     assert {c.link for c in recipe.contacts} == {"mast"}
@@ -95,14 +95,14 @@ def test_contacts_with_a_position_name_links_of_the_description() -> None:
     assert high - low == pytest.approx(0.3 * 24 / 26)
 
 
-def test_joints_that_are_no_parameters_stand_at_their_limit_nearest_to_zero() -> None:
+def test_joints_that_are_no_parameters_stand_at_their_limit_nearest_to_zero():
     text = recipe_text(parameters=ARMS, sweep=ARMS_ONLY)
     held = forward(lutgen.parse_recipe(text, urdf=ROVER), [[0.3]])
     free = forward(lutgen.parse_recipe(recipe_text(), urdf=ROVER), [[0.3, 0.1]])
     assert np.allclose(held.centres, free.centres, rtol=0, atol=1e-15)
 
 
-def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robot() -> None:
+def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robot():
     imported = import_urdf(parse_urdf(ROVER), joints=("arms", "lift")).recipe
     named = lutgen.parse_recipe(recipe_text(), urdf=ROVER)
     rng = np.random.default_rng(1)
@@ -145,11 +145,11 @@ def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robo
         ({"urdf": ""}, "must not be empty"),
     ],
 )
-def test_what_does_not_fit_the_description_is_refused(change: dict[str, str], said: str) -> None:
+def test_what_does_not_fit_the_description_is_refused(change, said):
     assert said in refusal(recipe_text(**change))
 
 
-def test_a_fault_in_the_description_names_both_files_and_without_one_no_key_names_a_joint() -> None:
+def test_a_fault_in_the_description_names_both_files_and_without_one_no_key_names_a_joint():
     assert refusal(recipe_text(), "<robot/>").startswith("r.toml: rover.urdf: <robot>: needs 1")
     text = '[robot]\nname = "a"\nlength_unit = "m"\n' + LIFT + sweep_part("mast = 2")
     assert "means nothing without `robot.urdf`" in refusal(text, None)
@@ -164,8 +164,8 @@ def test_a_fault_in_the_description_names_both_files_and_without_one_no_key_name
     ],
 )
 def test_files_outside_the_recipes_folder_and_what_is_no_file_are_never_opened(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    name, tmp_path, monkeypatch
+):
     folder = tmp_path / "inside"
     (folder / "folder").mkdir(parents=True)
     shutil.copy(VECTOR, tmp_path / "rover.urdf")
@@ -174,12 +174,12 @@ def test_files_outside_the_recipes_folder_and_what_is_no_file_are_never_opened(
     (folder / "out").symlink_to(tmp_path)
     (folder / "loop.urdf").symlink_to(folder / "loop.urdf")
     os.mkfifo(folder / "pipe")
-    opened: list[Path] = []
+    opened = []
     before = Path.open
 
-    def spy(self: Path, *arguments: object, **options: object) -> object:
+    def spy(self, *arguments, **options):
         opened.append(self)
-        return before(self, *arguments, **options)  # type: ignore[call-overload]
+        return before(self, *arguments, **options)
 
     text = recipe_text().replace("'rover.urdf'", f"'{name}'")
     monkeypatch.setattr(Path, "open", spy)
@@ -189,7 +189,7 @@ def test_files_outside_the_recipes_folder_and_what_is_no_file_are_never_opened(
     assert "copy the file beside the recipe" in str(caught.value)
 
 
-def test_a_file_in_a_folder_below_and_a_link_within_it_are_read(path: Path) -> None:
+def test_a_file_in_a_folder_below_and_a_link_within_it_are_read(path):
     (path.parent / "models").mkdir()
     shutil.move(path.parent / "rover.urdf", path.parent / "models" / "real.urdf")
     (path.parent / "rover.urdf").symlink_to("models/real.urdf")
@@ -198,13 +198,13 @@ def test_a_file_in_a_folder_below_and_a_link_within_it_are_read(path: Path) -> N
     assert lutgen.load_recipe(path).digest != digest
 
 
-def test_a_description_that_is_not_utf_8_is_refused_with_its_line(path: Path) -> None:
+def test_a_description_that_is_not_utf_8_is_refused_with_its_line(path):
     (path.parent / "rover.urdf").write_bytes(b"<robot>\n\xe9</robot>")
     with pytest.raises(RecipeError, match="line 2 is not UTF-8"):
         lutgen.load_recipe(path)
 
 
-def test_the_digest_covers_the_description(path: Path) -> None:
+def test_the_digest_covers_the_description(path):
     first = lutgen.load_recipe(path)
     second = lutgen.parse_recipe(first.text, urdf=ROVER.replace('value="20"', 'value="21"'))
     assert first.text == second.text
@@ -212,7 +212,7 @@ def test_the_digest_covers_the_description(path: Path) -> None:
     assert first != second
 
 
-def test_a_map_reads_back_alone_when_the_description_is_gone(path: Path) -> None:
+def test_a_map_reads_back_alone_when_the_description_is_gone(path):
     recipe = lutgen.load_recipe(path)
     file = path.with_suffix(".h5")
     lutgen.sweep(recipe, file)
@@ -241,9 +241,7 @@ PLAIN_DIGEST = recipe_digest(recipe_text())
         ({"urdf": None, "recipe_sha256": PLAIN_DIGEST}, "not stored beside the recipe"),
     ],
 )
-def test_a_map_whose_description_is_missing_or_changed_is_refused(
-    path: Path, changes: dict[str, str | None], said: str
-) -> None:
+def test_a_map_whose_description_is_missing_or_changed_is_refused(path, changes, said):
     file = path.with_suffix(".h5")
     lutgen.sweep(lutgen.load_recipe(path), file)
     unseal(file)
@@ -256,7 +254,7 @@ def test_a_map_whose_description_is_missing_or_changed_is_refused(
         lutgen.load_map(file, unsealed=True)
 
 
-def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
+def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds():
     links = "".join(
         f'[[robot.link]]\nname = "l{i}"\nparent = "{f"l{i - 1}" if i else "body"}"\n'
         for i in range(10_000)
@@ -274,9 +272,7 @@ def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
         lutgen.parse_recipe(text.replace('"l5000"', '"l4999"'))
 
 
-def test_check_warns_of_what_looks_like_a_mistake_in_the_description(
-    path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_check_warns_of_what_looks_like_a_mistake_in_the_description(path, caplog):
     assert data("check", path)["warnings"] == []
     degrees = ROVER.replace('lower="-0.8" upper="0.8"', 'lower="-45" upper="45"')
     (path.parent / "rover.urdf").write_text(degrees, encoding="utf-8")

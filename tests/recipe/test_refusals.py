@@ -89,7 +89,7 @@ FAULTS = [
     ("{ lift = 3 }", "{ lift = 3, x = 2 }", "sweep.samples.x`: is not a parameter of the robot"),
     ("{ lift = 3 }", "{}", "sweep.samples.lift`: is missing (got nothing); give a number of"),
     ("{ lift = 3 }", "{ lift = 3.0 }", "sweep.samples.lift`: must be a whole number (got 3.0);"),
-    ('contacts = ["a", "b"]', "contacts = []", "robot.group[1].contacts`: names no contact (got"),
+    ('contacts = ["a", "b"]', "contacts = []", "robot.group[1].contacts`: needs 1 or more entries"),
     ('contacts = ["a", "b"]', 'contacts = ["d"]', "robot.group[1].contacts`: is not a contact of"),
     ("{ lift = 3 }", "{ lift = [1, 2, 2] }", "sweep.samples.lift[3]`: does not increase (got 2.0)"),
     ("{ lift = 3 }", "{ lift = [0, 51] }", "sweep.samples.lift[2]`: lies outside the parameter's"),
@@ -102,7 +102,7 @@ FAULTS = [
     (
         'channels = ["sdg", "tip_angle"]',
         'channels = ["energy_margin"]',
-        "sweep.channels`: energy_margin is not defined under a force or with com_uncertainty",
+        "sweep.gravity.channels[1]`: is not defined under a force or with com_uncertainty",
     ),
     ("[sweep]\n", '[sweep]\nchannels = ["sdg"]\n', "sweep.channels`: is given in"),
     ('"16KiB"', '"16 acres"', "export.flash`: is not a quantity above 0 (got '16 acres'); write"),

@@ -2,7 +2,6 @@
 
 import tomllib
 from copy import deepcopy
-from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,14 +20,14 @@ RECIPES = [tomllib.loads(text) for text in (*TEXTS, *map(start_recipe, start_rec
 POOL = (0, -1, 1.5, 3.0, 1e300, True, "", "x", "body", "1%", [], [1, 2, 3], [0, 0, 0], ["sdg"], {})
 
 
-def tables(value: Any) -> list[dict[str, Any]]:
+def tables(value):
     """Return a table and those below it."""
     below = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     found = [one for part in below for one in tables(part)]
     return [value, *found] if isinstance(value, dict) else found
 
 
-def test_the_gallery_the_starts_and_recipes_with_every_key_are_valid() -> None:
+def test_the_gallery_the_starts_and_recipes_with_every_key_are_valid():
     Draft202012Validator.check_schema(SCHEMA)
     assert [why for why in map(refused, RECIPES) if why] == []
     assert all(map(VALIDATOR.is_valid, RECIPES))
@@ -36,7 +35,7 @@ def test_the_gallery_the_starts_and_recipes_with_every_key_are_valid() -> None:
     assert {key for table in SCHEMA["$defs"].values() for key in table["properties"]} <= there
 
 
-def test_each_key_says_what_it_means_by_an_example_that_is_valid() -> None:
+def test_each_key_says_what_it_means_by_an_example_that_is_valid():
     for table in SCHEMA["$defs"].values():
         for key in table["properties"].values():
             assert "$ref" in key or key["description"].endswith(".")
@@ -48,9 +47,7 @@ def test_each_key_says_what_it_means_by_an_example_that_is_valid() -> None:
 
 @settings(max_examples=150)
 @given(st.data())
-def test_the_schema_takes_what_the_parser_takes_which_names_a_key_of_the_rest(
-    data: st.DataObject,
-) -> None:
+def test_the_schema_takes_what_the_parser_takes_which_names_a_key_of_the_rest(data):
     values = deepcopy(data.draw(st.sampled_from(RECIPES)))
     filled = [table for table in tables(values) if table]
     table, other = data.draw(st.sampled_from(filled)), data.draw(st.sampled_from(filled))

@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ TAIL = sweep_part(nodes=9, max_tilt=60.0, channels=("tip_angle",))
 HEAD = '[robot]\nname = "car"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\n'
 
 
-def two_rim_car(noise: float, rng: np.random.Generator) -> str:
+def two_rim_car(noise, rng):
     """Return a car that tips sideways at 45 deg: each wheel is two rims, off by up to `noise`."""
     discs = []
     for x in (0.4, -0.4):
@@ -31,7 +30,7 @@ def two_rim_car(noise: float, rng: np.random.Generator) -> str:
     return HEAD + "".join(discs) + TAIL
 
 
-def articulated(noise: float) -> str:
+def articulated(noise):
     """Return the gallery's articulated robot with an inner rim on each wheel, off by `noise`."""
     text = (MAPS / "articulated.toml").read_text()
     rng = np.random.default_rng(4)
@@ -46,7 +45,7 @@ def articulated(noise: float) -> str:
     return head + "\n".join(rims) + "\n[sweep]" + tail
 
 
-def sideways_limits(text: str, tilt: np.ndarray) -> list[float]:
+def sideways_limits(text, tilt):
     """Return the least tilt (deg) at which a robot tips to its left and to its right."""
     recipe, limits = lutgen.parse_recipe(text), []
     for side in (1.0, -1.0):
@@ -90,7 +89,7 @@ def test_a_noisy_second_rim_costs_no_more_than_an_exact_one():
     assert np.percentile(apart, 90) <= 0.1
 
 
-def test_discs_on_one_axle_are_put_on_one_line_with_one_radius_and_check_says_so(tmp_path: Path):
+def test_discs_on_one_axle_are_put_on_one_line_with_one_radius_and_check_says_so(tmp_path):
     exact = lutgen.parse_recipe(articulated(0.0))
     assert exact.snapped == ()
     assert exact.contacts[-1].position == (0.45, -0.27, -0.15)

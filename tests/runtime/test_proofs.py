@@ -1,19 +1,18 @@
 """The proofs of the C runtime: one seeded fault that each of them finds."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
 from firmware_export.host import RUNTIME
 from proofs import eva, exhaustive, fuzz, run, structure
-from proofs.subjects import Subject, made
+from proofs.subjects import made
 from proofs.tools import FAILED, OK
 
 PATIENCE = 300.0
 
 
-def faulty(folder: Path, name: str, text: str, instead: str) -> Path:
+def faulty(folder, name, text, instead):
     """Return a copy of the runtime with one text replaced in one part."""
     parts = folder / "parts"
     shutil.copytree(RUNTIME, parts, ignore=shutil.ignore_patterns("*.so"))
@@ -21,20 +20,20 @@ def faulty(folder: Path, name: str, text: str, instead: str) -> Path:
     return parts
 
 
-def changed(path: Path, text: str, instead: str) -> None:
+def changed(path, text, instead):
     source = path.read_text()
     assert text in source
     path.write_text(source.replace(text, instead))
 
 
 @pytest.fixture
-def subject(tmp_path: Path) -> Subject:
+def subject(tmp_path):
     """Return a small export that a test may damage."""
     return made("tables_integer", tmp_path / "exports")
 
 
 @pytest.fixture
-def points(tmp_path: Path) -> Subject:
+def points(tmp_path):
     """Return an export in floats that a test may damage."""
     return made("paper_two", tmp_path / "exports")
 
@@ -46,7 +45,7 @@ PROOF = """\
 """
 
 
-def test_only_the_literal_line_of_no_alarms_is_a_proof() -> None:
+def test_only_the_literal_line_of_no_alarms_is_a_proof():
     assert eva.verdict(PROOF) == ""
     assert eva.verdict("") == "ended early"
     assert eva.verdict(PROOF.replace("0 alarms", "10 alarms")).startswith("10 alarms")
@@ -56,7 +55,7 @@ def test_only_the_literal_line_of_no_alarms_is_a_proof() -> None:
 
 
 @pytest.mark.needs("frama-c", "gcc")
-def test_eva_finds_an_index_that_goes_one_too_far(subject: Subject, tmp_path: Path) -> None:
+def test_eva_finds_an_index_that_goes_one_too_far(subject, tmp_path):
     source = subject.folder / f"{subject.name}.c"
     changed(source, "cell[k] = x >> 16;", "cell[k] = (x >> 16) + 1u;")
     (tmp_path / "eva").mkdir()
@@ -73,9 +72,7 @@ def test_eva_finds_an_index_that_goes_one_too_far(subject: Subject, tmp_path: Pa
         ("whole_root", "8u + 1u;\n    result = (result + odd / result) >> 1;", "8u + 1u;"),
     ],
 )
-def test_trying_everything_finds_a_root_that_is_off(
-    name: str, text: str, instead: str, tmp_path: Path
-) -> None:
+def test_trying_everything_finds_a_root_that_is_off(name, text, instead, tmp_path):
     parts = faulty(tmp_path, "smap_core.h", text, instead)
     # 127 divides 0x3F80, the upper half of 1.0f, beside which faults of guards are.
     found = {row.subject: row for row in exhaustive.prove(tmp_path, PATIENCE, 127, parts)}
@@ -85,9 +82,7 @@ def test_trying_everything_finds_a_root_that_is_off(
 
 
 @pytest.mark.needs("clang", "gcc")
-def test_the_fuzzer_finds_a_reading_that_tips_and_is_said_to_stand(
-    points: Subject, tmp_path: Path
-) -> None:
+def test_the_fuzzer_finds_a_reading_that_tips_and_is_said_to_stand(points, tmp_path):
     length = fuzz.Length(runs=500)
     assert fuzz.fuzz(points, tmp_path / "right", length).state == OK
     source = points.folder / f"{points.name}.c"
@@ -97,7 +92,7 @@ def test_the_fuzzer_finds_a_reading_that_tips_and_is_said_to_stand(
 
 
 @pytest.mark.needs("clang", "gcc")
-def test_the_fuzzer_finds_a_check_that_looks_at_no_size(points: Subject, tmp_path: Path) -> None:
+def test_the_fuzzer_finds_a_check_that_looks_at_no_size(points, tmp_path):
     source = points.folder / f"{points.name}.c"
     changed(source, "smap_check_positions(map, SMAP_BLOB(map) + map->size)", "1")
     found = fuzz.fuzz(points, tmp_path / "wrong", fuzz.Length(seconds=60), "damage")
@@ -105,7 +100,7 @@ def test_the_fuzzer_finds_a_check_that_looks_at_no_size(points: Subject, tmp_pat
 
 
 @pytest.mark.needs("gcc")
-def test_globals_recursion_and_library_calls_are_found(tmp_path: Path) -> None:
+def test_globals_recursion_and_library_calls_are_found(tmp_path):
     more = (
         "\nstatic volatile int reads;\nvoid extra(int n);\n#include <stdlib.h>\n"
         "void extra(int n)\n{\n  reads += n + rand();\n  for (;;) {\n    extra(n - 1);\n  }\n}\n"
@@ -118,17 +113,7 @@ def test_globals_recursion_and_library_calls_are_found(tmp_path: Path) -> None:
         assert said in rows["object code"].text
 
 
-def test_a_function_of_61_lines_is_too_long_and_one_of_60_is_not() -> None:
-    def of(lines: int) -> str:
-        return "static void f(void)\n{\n" + "  a();\n" * (lines - 3) + "}\n"
-
-    assert structure.long_ones(of(60)) == []
-    assert structure.long_ones(of(61)) == ["line 1: 61 lines"]
-
-
-def test_what_is_missing_is_skipped_and_fails_in_ci(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_missing_is_skipped_and_fails_in_ci(monkeypatch, capsys):
     monkeypatch.setattr("proofs.run.shutil.which", lambda name: None)
     monkeypatch.delenv("CI", raising=False)
     assert run.main(["--only", "structure"]) == 0

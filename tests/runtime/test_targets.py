@@ -4,7 +4,6 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import pytest
 from firmware_export.certify.answers import device
 from firmware_export.emit import facts
 from targets import baseline, cases, control, pages, queries, run
-from targets.boards import BOARDS, Board
+from targets.boards import BOARDS
 from targets.image import deepest, execute
 from tests.fixtures.exports import tripod_export
 
@@ -21,13 +20,12 @@ CASE = cases.Case("tripod", partial(tripod_export, "tripod"))
 
 
 @pytest.fixture
-def row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> run.Row:
-    """Return a row of a small export."""
+def row(tmp_path, monkeypatch):
     monkeypatch.setattr(cases, "BUILD", tmp_path)
     return run.prepared(CASE)
 
 
-def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:
+def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping():
     export = tripod_export()
     params, gravity = queries.checked(export)
     status, reading = device(export).read(params, gravity)
@@ -42,14 +40,14 @@ def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:
 @pytest.mark.parametrize(
     "board", [pytest.param(board, marks=pytest.mark.needs(*board.programs)) for board in BOARDS]
 )
-def test_a_target_answers_as_the_host_does(row: run.Row, board: Board) -> None:
+def test_a_target_answers_as_the_host_does(row, board):
     cell = run.run_cell(row, board, board.options[-1], 0)
     assert cell["code"] > 1000
     assert ("read" in cell) is bool(board.unit)
 
 
 @pytest.mark.needs(*ON["m4f"].programs)
-def test_one_wrong_bit_in_a_table_gives_another_hash(row: run.Row) -> None:
+def test_one_wrong_bit_in_a_table_gives_another_hash(row):
     source = row.job.folder / "tripod.c"
     text = source.read_text()
     found = re.search(r"(\d+),\s*\};", text)
@@ -60,9 +58,7 @@ def test_one_wrong_bit_in_a_table_gives_another_hash(row: run.Row) -> None:
 
 
 @pytest.mark.needs(*ON["m4f"].programs)
-def test_a_chip_commands_what_this_machine_does_bit_for_bit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_chip_commands_what_this_machine_does_bit_for_bit(tmp_path, monkeypatch):
     monkeypatch.setattr("firmware_export.control.objective.POSTURES", 100)
     monkeypatch.setattr(control, "BUILD", tmp_path)
     robot = control.prepared("paper_two")
@@ -72,7 +68,7 @@ def test_a_chip_commands_what_this_machine_does_bit_for_bit(
     assert max(counts) < 5_000
 
 
-def test_more_than_two_percent_is_worse_and_another_export_is_told() -> None:
+def test_more_than_two_percent_is_worse_and_another_export_is_told():
     cell = {"code": 1000, "stack": 500, "at": [100, 200, 50]}
     known = {"compilers": {}, "rows": {"a": {"export": {"spec": "x"}, "m4f -O2": cell}}}
     assert baseline.compare(known, known) == ([], [])
@@ -86,9 +82,7 @@ def test_more_than_two_percent_is_worse_and_another_export_is_told() -> None:
     assert baseline.compare(known, other)[0] == ["a: is another export than that of the baseline"]
 
 
-def test_the_pages_show_the_committed_counts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_pages_show_the_committed_counts(tmp_path, monkeypatch):
     before = [path.read_text("utf-8") for path in (pages.PAGE, pages.README)]
     for name in ("PAGE", "README"):
         shutil.copy(getattr(pages, name), tmp_path / f"{name}.md")
@@ -97,7 +91,7 @@ def test_the_pages_show_the_committed_counts(
     assert [path.read_text("utf-8") for path in (pages.PAGE, pages.README)] == before
 
 
-def test_a_report_tells_the_counts_of_just_the_export_that_was_counted() -> None:
+def test_a_report_tells_the_counts_of_just_the_export_that_was_counted():
     export = cases.of_recipe("paper_two", "contacts")
     told = facts.counted(export)
     assert told is not None
@@ -120,6 +114,6 @@ edge: { sourcename: "feet.c:facet" targetname: "feet.c:root" label: "feet.c:6:3"
 """
 
 
-def test_the_stack_is_that_of_the_deepest_chain_of_calls() -> None:
+def test_the_stack_is_that_of_the_deepest_chain_of_calls():
     assert deepest(GRAPH) == 64 + 40 + 8
     assert deepest(GRAPH, "smap_read", without="facet") == 64 + 8

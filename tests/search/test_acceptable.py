@@ -4,24 +4,22 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import lutgen
 from lutgen.search.methods import STEPS, acceptable_range, half_widths
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
-Floats = NDArray[np.float64]
 A0 = math.atan(0.6)
 RADIUS = math.sqrt(20.0**2 + 12.0**2)
 
 
-def tent(points: Floats) -> Floats:
+def tent(points):
     """Return |x| + 2 |y|."""
     return np.asarray(np.abs(points) @ [1.0, 2.0][: points.shape[1]])
 
 
-def test_the_range_ends_where_the_cost_reaches_the_limit_and_the_others_are_kept() -> None:
+def test_the_range_ends_where_the_cost_reaches_the_limit_and_the_others_are_kept():
     box = np.array([[-10.0, 10.0], [-10.0, 10.0]])
     # At (1, 0.5) the cost is 2; 4 is reached at x = +-3 and y = +-1.5.
     found = acceptable_range(tent, np.array([1.0, 0.5]), box, 4.0)
@@ -37,7 +35,7 @@ def test_the_range_ends_where_the_cost_reaches_the_limit_and_the_others_are_kept
     assert np.isnan(acceptable_range(lambda x: x[:, 0] * np.nan, np.array([0.5]), box, 0.4)).all()
 
 
-def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound() -> None:
+def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound():
     for interval, delta in (
         ((2.0, 6.0), 1.0),  # 3 - 2 and 6 - 3: the smaller
         ((0.0, 6.0), 3.0),  # reaches the lower bound, which limits nothing
@@ -48,7 +46,7 @@ def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound() -> None:
         assert found.tolist() == [delta]
 
 
-def test_the_range_of_the_papers_robot_ends_where_the_plane_through_its_wheels_says() -> None:
+def test_the_range_of_the_papers_robot_ends_where_the_plane_through_its_wheels_says():
     recipe, limit = lutgen.load_recipe(MAPS / "paper_one.toml"), 0.5
     found = lutgen.optimum(recipe, [0, 0, -1], "nelder-mead", limit=limit)
     low, high = found.acceptable[0]
@@ -67,7 +65,7 @@ def test_the_range_of_the_papers_robot_ends_where_the_plane_through_its_wheels_s
     assert found.delta[0] == pytest.approx(nearer, abs=1e-14)  # turned to deg and back
 
 
-def test_the_first_violation_ends_the_range_though_the_cost_falls_again() -> None:
+def test_the_first_violation_ends_the_range_though_the_cost_falls_again():
     box = np.array([[0.0, 10.0]])
     found = acceptable_range(lambda x: np.sin(x[:, 0]), np.array([0.0]), box, 0.5)
     assert found[0] == pytest.approx([0.0, math.pi / 6.0], abs=1e-11)
@@ -83,7 +81,7 @@ def test_the_first_violation_ends_the_range_though_the_cost_falls_again() -> Non
         assert wall[0, 1] == pytest.approx(place, abs=1e-11)
 
 
-def test_all_that_stands_is_acceptable_without_a_limit() -> None:
+def test_all_that_stands_is_acceptable_without_a_limit():
     # A table whose front feet slide out: it stands while the com is behind them.
     text = rigid(feet([(-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)])).replace(
         "[sweep]",

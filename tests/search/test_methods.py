@@ -1,42 +1,38 @@
 """The four methods on plain functions, of which the minimum is known."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from lutgen.search.methods import multistart, nelder_mead, refine, smallest_node
 
-Floats = NDArray[np.float64]
 BOX = np.array([[-3.0, 5.0], [0.0, 2.0]])
 
 
 class Counted:
     """A cost function that keeps the rows that it was asked for."""
 
-    def __init__(self, function: Callable[[Floats], Floats]) -> None:
+    def __init__(self, function):
         self.function = function
-        self.rows: list[Floats] = []
+        self.rows = []
 
-    def __call__(self, points: Floats) -> Floats:
+    def __call__(self, points):
         """Return the costs."""
         self.rows.extend(points.copy())
         return self.function(points)
 
 
-def bowl(points: Floats) -> Floats:
+def bowl(points):
     """Return a quadratic with its minimum at (1, 1, ...)."""
     return np.asarray(((points - 1.0) ** 2 * np.arange(1, points.shape[1] + 1)).sum(axis=1))
 
 
-def waves(points: Floats) -> Floats:
+def waves(points):
     """Return Rastrigin's function about (0.7, 0.7, ...): one minimum in each unit square."""
     x = points - 0.7
     return np.asarray((x**2 - np.cos(2.0 * np.pi * x) + 1.0).sum(axis=1))
 
 
-def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells() -> None:
+def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells():
     (step,) = refine(bowl, np.array([[0.0, 50.0], [100.0, 200.0]]), 1)
     assert sorted(set(step.nodes[:, 0])) == [0.0, 10.0, 20.0, 30.0, 40.0]
     assert sorted(set(step.nodes[:, 1])) == [100.0, 120.0, 140.0, 160.0, 180.0]
@@ -49,7 +45,7 @@ def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells()
             assert (step.nodes <= [7.0, 1.0]).all()
 
 
-def test_each_interval_is_the_best_node_with_one_spacing_to_either_side() -> None:
+def test_each_interval_is_the_best_node_with_one_spacing_to_either_side():
     steps = refine(bowl, np.array([[-25.0, 25.0]]), 4)
     # By hand: 5 is 4 away from 1, -5 is 6 away; spacings 10, 4, 1.6, 0.64.  Sums of decimals.
     hand = [
@@ -65,7 +61,7 @@ def test_each_interval_is_the_best_node_with_one_spacing_to_either_side() -> Non
     assert [step.value for step in steps] == pytest.approx([16, 4, 0.16, 0.0064], abs=1e-12)
 
 
-def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals() -> None:
+def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals():
     blocks = [np.array([[3.0], [2.0]]), np.array([[1.5], [0.5]]), np.array([[4.0]])]
     cost = Counted(bowl)
     (step,) = smallest_node(cost, iter(blocks))
@@ -74,7 +70,7 @@ def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals() 
 
 
 @pytest.mark.parametrize("start", [(-3.0, 0.0), (1.0, 1.0), (4.9, 0.01)])
-def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start: tuple[float, ...]) -> None:
+def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start):
     cost = Counted(bowl)
     steps = nelder_mead(cost, BOX, np.array(start))
     # The last simplex is 2e-6 of the bounds, which are 8 and 2 wide.
@@ -96,7 +92,7 @@ def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start: tuple[f
 
 
 @pytest.mark.parametrize("k", [1, 2])
-def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k: int) -> None:
+def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
     box = np.array([[-4.0, 5.0]] * k)
     random = np.random.default_rng(k)
     lost = 0
@@ -115,7 +111,7 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k: int) -> Non
     assert lost >= 3
 
 
-def test_the_candidates_fill_the_box_evenly_and_follow_the_seed() -> None:
+def test_the_candidates_fill_the_box_evenly_and_follow_the_seed():
     start = np.array([0.0, 1.0])
     nodes = multistart(bowl, BOX, start, 7)[0].nodes[1:]
     assert nodes.tolist() == multistart(bowl, BOX, start, 7)[0].nodes[1:].tolist()

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import lutgen
 from lutgen.channels.evaluation import evaluate_each
@@ -14,12 +13,12 @@ from tests.fixtures.recipes import feet, rigid, tripod, without_limits
 TILTED = [0.4, 0.3, -1.0]
 
 
-def geometries(count: int = 400) -> NDArray[np.float64]:
+def geometries(count=400):
     """Return random geometries of `tripod`."""
     return np.random.default_rng(4).uniform([0.0, -0.69], [0.6, 0.87], (count, 2))
 
 
-def test_objectives_are_read_as_they_are_written_and_others_are_refused() -> None:
+def test_objectives_are_read_as_they_are_written_and_others_are_refused():
     for text, weights in (
         (" tip_angle ", {"tip_angle": 1.0}),
         ("sdg+0.1*height", {"sdg": 1.0, "height": 0.1}),
@@ -43,8 +42,8 @@ def test_objectives_are_read_as_they_are_written_and_others_are_refused() -> Non
     ],
 )
 def test_the_cost_is_the_channel_with_its_good_end_down_and_large_where_it_tips(
-    convention: str, text: str, sign: int
-) -> None:
+    convention, text, sign
+):
     recipe, rows = lutgen.parse_recipe(tripod()), geometries()
     goal = Objective(recipe, TILTED, text, convention)
     cost = goal.cost(rows)
@@ -63,7 +62,7 @@ def test_the_cost_is_the_channel_with_its_good_end_down_and_large_where_it_tips(
     assert np.isnan(goal.value(cost[~stands][0]))
 
 
-def test_a_sum_weighs_its_channels_and_is_its_own_value() -> None:
+def test_a_sum_weighs_its_channels_and_is_its_own_value():
     recipe = lutgen.parse_recipe(tripod())
     level = [0, 0, -1]
     rows = geometries(50)
@@ -77,7 +76,7 @@ def test_a_sum_weighs_its_channels_and_is_its_own_value() -> None:
     assert goal.cost_of(0.7) == 0.7
 
 
-def test_a_robot_that_cannot_tip_is_as_good_as_can_be() -> None:
+def test_a_robot_that_cannot_tip_is_as_good_as_can_be():
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     recipe = without_limits(rigid(feet(corners)))
     for text in ("margin", "energy_margin"):
@@ -88,9 +87,7 @@ def test_a_robot_that_cannot_tip_is_as_good_as_can_be() -> None:
     assert Objective(recipe, [0, 0, -1], "tip_angle").cost(np.empty((1, 0))) == -np.pi
 
 
-def test_geometries_are_counted_and_large_requests_are_answered_in_pieces(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_geometries_are_counted_and_large_requests_are_answered_in_pieces(monkeypatch):
     recipe = lutgen.parse_recipe(tripod())
     goal = Objective(recipe, TILTED)
     rows = geometries(100)

@@ -12,7 +12,7 @@ from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import FACETS, SHOWN, acceptance, empty_region, pack, stand
 from tests.fixtures.odd_robots import odd_robot
-from tests.oracles.primitives import Floats, unit
+from tests.oracles.primitives import unit
 from tests.oracles.standing import facets_of
 from tests.support.postures import EXACT, below, drawn, exact, limits_of
 
@@ -21,20 +21,20 @@ CHANNELS = ("status", "tip_angle", "sdg", "height")
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 
-def read(rows: Floats, g: Floats) -> dict[str, Floats]:
+def read(rows, g):
     """Return the channels of one posture with the limits that a recipe has by default."""
     limits = limits_of(rows)
     accept = acceptance(*limits[:2], 0.0, *limits[2:])
     return {k: v[0] for k, v in measure_primitives(rows[None], g, CHANNELS, accept).items()}
 
 
-def points(*feet: Floats | list[list[float]]) -> Floats:
+def points(*feet):
     """Return contacts one after the other (n, 3)."""
     return np.concatenate([np.asarray(one, float) for one in feet])
 
 
 @pytest.mark.parametrize("family", EXACT)
-def test_the_order_of_the_contacts_changes_no_reading(family: str) -> None:
+def test_the_order_of_the_contacts_changes_no_reading(family):
     rng = np.random.default_rng(1)
     stands = 0.0
     for seed in range(40):
@@ -54,7 +54,7 @@ def test_the_order_of_the_contacts_changes_no_reading(family: str) -> None:
 
 
 @pytest.mark.parametrize("family", EXACT)
-def test_a_contact_given_twice_changes_nothing(family: str) -> None:
+def test_a_contact_given_twice_changes_nothing(family):
     rng = np.random.default_rng(2)
     for seed in range(20):
         rows, g = exact(family, np.random.default_rng(seed)), below(rng, 60)
@@ -63,13 +63,13 @@ def test_a_contact_given_twice_changes_nothing(family: str) -> None:
             np.testing.assert_allclose(again[name], once[name], 0.0, 1e-11)
 
 
-def test_without_limits_the_region_is_the_convex_cone_of_the_contacts() -> None:
+def test_without_limits_the_region_is_the_convex_cone_of_the_contacts():
     rng = np.random.default_rng(3)
     stands = asked = 0
     for seed in range(60):
         family = EXACT[seed % len(EXACT)] if seed % 2 else "points"
         make = np.random.default_rng(seed)
-        feet = (drawn if family == "points" else exact)(family, make)[:, :3]  # type: ignore[operator]
+        feet = (drawn if family == "points" else exact)(family, make)[:, :3]
         g = below(rng, 30)
         found = lutgen.stability(feet, g, ("tip_angle",))["tip_angle"][0]
         for direction, angle in zip(g, found, strict=True):
@@ -82,9 +82,7 @@ def test_without_limits_the_region_is_the_convex_cone_of_the_contacts() -> None:
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-6])
-def test_contacts_a_little_off_a_plane_have_the_stability_factor_of_those_in_it(
-    noise: float,
-) -> None:
+def test_contacts_a_little_off_a_plane_have_the_stability_factor_of_those_in_it(noise):
     # Defects 4 and 5: a sliver got weight from noise, and the plane of a triangle had its centroid.
     rng = np.random.default_rng(4)
     for seed in range(30):
@@ -102,7 +100,7 @@ def test_contacts_a_little_off_a_plane_have_the_stability_factor_of_those_in_it(
             )
 
 
-def test_a_com_above_an_edge_stands_with_tip_angle_zero_in_any_order() -> None:
+def test_a_com_above_an_edge_stands_with_tip_angle_zero_in_any_order():
     feet = points([[0.3, 0.0, -0.3], [0.3, -0.4, -0.3], [-0.3, -0.4, -0.3], [-0.3, 0.0, -0.3]])
     beyond = np.array([[0.0, 1e-9, -1.0], [0.0, 0.0, -1.0], [0.0, -1e-9, -1.0]])
     rng = np.random.default_rng(5)
@@ -113,7 +111,7 @@ def test_a_com_above_an_edge_stands_with_tip_angle_zero_in_any_order() -> None:
         assert got["tip_angle"][0, [0, 2]] == pytest.approx([-1e-9, 1e-9], rel=1e-6)
 
 
-def test_a_com_just_above_its_contacts_is_a_quarter_turn_from_tipping() -> None:
+def test_a_com_just_above_its_contacts_is_a_quarter_turn_from_tipping():
     feet = points([[1, 0.5, -8e-6], [-1, 0.5, -8e-6], [-1, -0.5, -8e-6], [1, -0.5, -8e-6]])
     got = lutgen.stability(feet, LEVEL, ("tip_angle",))["tip_angle"]
     # Defect 3: a sine that rounds to 1 is no missing boundary.
@@ -121,7 +119,7 @@ def test_a_com_just_above_its_contacts_is_a_quarter_turn_from_tipping() -> None:
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-7, 1e-5, 1e-4])
-def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise: float) -> None:
+def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise):
     # Defect 6: rests that a turn of at most 2e-4 rad joins are one, at any rock_angle.
     rng = np.random.default_rng(6)
     for _ in range(20):
@@ -134,7 +132,7 @@ def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise
         )
 
 
-def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden() -> None:
+def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden():
     feet = points([[0.5, 0.4, -0.5], [0.5, -0.4, -0.49], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.49]])
     ahead = unit(np.array([[0.2, 0.1, -1.0]]))
     fixed, free = (
@@ -149,7 +147,7 @@ def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden() 
 
 @pytest.mark.parametrize("width", [3e-3, 3e-4, 3e-5, 3e-6])
 @pytest.mark.parametrize("apart", [1.0, 3e-4, 3e-5])
-def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width: float, apart: float) -> None:
+def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width, apart):
     # Short sides say nothing where others close the region, and everything where none do.
     x, y = apart, 0.5 * width
     feet = points([[x, y, -1], [x, -y, -1], [-x, -y, -1], [-x, y, -1]])
@@ -162,7 +160,7 @@ def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width: float, apart: f
     assert down == pytest.approx(math.atan(min(x, y)), rel=1e-6)
 
 
-def test_contacts_that_support_nothing_tip_in_every_direction() -> None:
+def test_contacts_that_support_nothing_tip_in_every_direction():
     line = points([[0.1, 0, -1], [0.2, 0, -1], [0.4, 0, -1], [-0.4, 0, -1]])
     above = points([[1, 0, 1], [-1, 1, 1], [-1, -1, 1]])
     g = np.random.default_rng(7).normal(size=(50, 3))
@@ -174,7 +172,7 @@ def test_contacts_that_support_nothing_tip_in_every_direction() -> None:
     assert lutgen.stability(above, -LEVEL, ("tip_angle",))["tip_angle"].item() > 0.4
 
 
-def test_wheels_and_casters_of_one_radius_in_a_row_hide_no_facet() -> None:
+def test_wheels_and_casters_of_one_radius_in_a_row_hide_no_facet():
     # On its left wheel, wheel, caster; tilted about these three the plane grazes the one amid.
     wheel, caster = [0.0, 1.0, 0.0, 0.2, 2.0], [0.0, 0.0, 0.0, 0.2, 1.0]
     places = [(-0.8, 0.5, wheel), (0.5, 0.5, wheel), (0.6, 0.5, caster), (0.6, -0.5, caster)]
@@ -188,7 +186,7 @@ def test_wheels_and_casters_of_one_radius_in_a_row_hide_no_facet() -> None:
 
 
 @pytest.mark.parametrize("seed", [343, 530, 1450, 9012])
-def test_facets_of_robots_with_contacts_in_a_row_are_those_of_the_oracle(seed: int) -> None:
+def test_facets_of_robots_with_contacts_in_a_row_are_those_of_the_oracle(seed):
     recipe = odd_robot(seed)
     middle = np.array([recipe.home_params])
     ends = [[p.minimum + 0.3 * (p.maximum - p.minimum) for p in recipe.parameters]]

@@ -11,41 +11,37 @@ from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import ARCS, acceptance, empty_region, lies_within, pack, stand
 from tests.fixtures.many_library import postures_of, random_directions
 from tests.fixtures.odd_robots import boxed_tracks
-from tests.oracles.primitives import Floats
 from tests.support.postures import DISC, POINT, SPHERE, below
 
 LIMITS = acceptance(math.radians(80), math.radians(30), 0.0, 0.005, 5e-5)
 CHANNELS = ("sdg", "tip_angle")
 TIPS, ENDS = 2, ("minimum", "maximum")
 DOWN = np.array([[0.0, 0.0, -1.0]])
-Primitive = tuple[tuple[float, ...], tuple[float, ...], float, float]
 
 
-def rows(*primitives: Primitive) -> Floats:
+def rows(*primitives):
     """Return the rows of primitives: centre, axis, radius, kind."""
     return np.array([[*centre, *axis, radius, kind] for centre, axis, radius, kind in primitives])
 
 
-def point(x: float, y: float, z: float) -> Primitive:
+def point(x, y, z):
     return (x, y, z), (0, 0, 0), 0.0, POINT
 
 
-def ball(x: float, y: float, z: float, radius: float) -> Primitive:
+def ball(x, y, z, radius):
     return (x, y, z), (0, 0, 0), radius, SPHERE
 
 
-def disc(
-    x: float, y: float, z: float, radius: float, axis: tuple[float, ...] = (0, 1, 0)
-) -> Primitive:
+def disc(x, y, z, radius, axis=(0, 1, 0)):
     return (x, y, z), axis, radius, DISC
 
 
-def read(primitives: Floats, g: Floats) -> dict[str, Floats]:
+def read(primitives, g):
     """Return |SD_g| and tip angle of one posture."""
     return measure_primitives(np.ascontiguousarray(primitives)[None], g, CHANNELS, LIMITS)
 
 
-def agree(one: dict[str, Floats], other: dict[str, Floats]) -> bool:
+def agree(one, other):
     """Tell whether two answers are the same but for rounding: verdict, |SD_g| and angle inside."""
     inside, too = one["tip_angle"] >= 0.0, other["tip_angle"] >= 0.0
     near = np.minimum(np.abs(one["tip_angle"]), np.abs(other["tip_angle"])) < 1e-5
@@ -77,13 +73,13 @@ def agree(one: dict[str, Floats], other: dict[str, Floats]) -> bool:
         (disc(0.0, 0.0, 0.0, 0.05), point(0.0, 0.0, 0.0), False),
     ],
 )
-def test_what_lies_within_what(inner: Primitive, outer: Primitive, within: bool) -> None:
+def test_what_lies_within_what(inner, outer, within):
     assert lies_within(rows(inner, outer), 0, 1, 1e-8, 1.0) == within
     assert lies_within(rows(outer, inner), 1, 0, 1e-8, 1.0) == within
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-10, 1e-8])
-def test_neither_order_nor_noise_that_no_sensor_tells_changes_an_answer(noise: float) -> None:
+def test_neither_order_nor_noise_that_no_sensor_tells_changes_an_answer(noise):
     rng = np.random.default_rng(1)
     for seed in range(12):
         recipe, g = boxed_tracks(seed), below(rng, 60)
@@ -101,7 +97,7 @@ def test_neither_order_nor_noise_that_no_sensor_tells_changes_an_answer(noise: f
 
 
 @pytest.mark.parametrize("noise", [1e-7, 3e-7])
-def test_places_of_six_decimals_change_no_answer(noise: float) -> None:
+def test_places_of_six_decimals_change_no_answer(noise):
     for seed in range(12):
         drawn, printed = boxed_tracks(seed), boxed_tracks(seed, noise)
         rng = np.random.default_rng(seed)
@@ -119,7 +115,7 @@ def test_places_of_six_decimals_change_no_answer(noise: float) -> None:
 WHEELS = [disc(x, y, -0.3, 0.1) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
 
 
-def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is() -> None:
+def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is():
     corners = [point(x, y, z) for x in (-0.4, 0.4) for y in (-0.2, 0.2) for z in (-0.4, -0.2)]
     g = below(np.random.default_rng(1), 500)
     alone = read(rows(*WHEELS), g)
@@ -130,7 +126,7 @@ def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is() -> None:
             np.testing.assert_allclose(both[name], alone[name], rtol=0.0, atol=1e-12)
 
 
-def test_contacts_keep_their_numbers_where_some_are_covered() -> None:
+def test_contacts_keep_their_numbers_where_some_are_covered():
     corners = [point(x, y, -0.4) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
     region = empty_region(8)
     stand(region, rows(*corners, *WHEELS), LIMITS)
@@ -139,17 +135,17 @@ def test_contacts_keep_their_numbers_where_some_are_covered() -> None:
     assert set(named.ravel().tolist()) == {4, 5, 6, 7}
 
 
-def test_a_rail_goes_on_to_the_wheel_that_it_begins_within() -> None:
+def test_a_rail_goes_on_to_the_wheel_that_it_begins_within():
     # At a pitch of -90 deg the corner at the wheel's foremost point and the wheel are level.
     side = [point(-0.25, 0.1, -0.35), disc(-0.2, 0.1, -0.35, 0.05), point(0.25, 0.1, -0.35)]
     robot = [((x, y * way, z), *rest) for (x, y, z), *rest in side for way in (1, -1)]
-    found = measure_primitives(rows(*robot)[None], DOWN, ("height",), LIMITS)  # type: ignore[arg-type]
+    found = measure_primitives(rows(*robot)[None], DOWN, ("height",), LIMITS)
     # From the corners ahead, level with the wheels' centres 0.45 m behind, a tangent to the wheels.
     lean = math.asin(0.05 / 0.45)
     assert found["height"].item() == pytest.approx(0.35 * math.cos(lean) + 0.25 * math.sin(lean))
 
 
-def test_a_wheel_in_the_plane_of_a_boxs_side_changes_nothing_in_any_order() -> None:
+def test_a_wheel_in_the_plane_of_a_boxs_side_changes_nothing_in_any_order():
     wheel = disc(-0.2, 0.06, -0.3, 0.1, (1, 0, 0))
     box = [point(x, y, z) for x in (0.2, -0.2) for y in (0.3, -0.3) for z in (-0.4, -0.3)]
     g = below(np.random.default_rng(1), 400)
@@ -161,7 +157,7 @@ def test_a_wheel_in_the_plane_of_a_boxs_side_changes_nothing_in_any_order() -> N
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9)
 
 
-def test_contacts_that_noise_puts_on_several_planes_leave_no_axis_inside() -> None:
+def test_contacts_that_noise_puts_on_several_planes_leave_no_axis_inside():
     box = [point(x, y, -0.25) for x in (0.1, -0.1) for y in (0.25, -0.25)]
     plain = rows(*box, point(0.0, 0.15, -0.25), disc(0.1, -0.1, -0.15, 0.1, (1, 0, 0)))
     g = below(np.random.default_rng(3), 400)

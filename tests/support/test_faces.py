@@ -13,7 +13,7 @@ OK, TIPS = 0, 2
 FEET = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (0.0, -0.6, 0.0))
 
 
-def stands(leaning: float, upright: float, discs: int = 3) -> bool:
+def stands(leaning, upright, discs=3):
     """Tell whether a robot stands level on feet of which some are discs, `leaning` off a coin."""
     a = math.radians(leaning)
     feet = "".join(
@@ -30,7 +30,7 @@ def stands(leaning: float, upright: float, discs: int = 3) -> bool:
 
 
 @pytest.mark.parametrize("discs", [1, 3])
-def test_nobody_stands_on_the_face_of_a_wheel(discs: int) -> None:
+def test_nobody_stands_on_the_face_of_a_wheel(discs):
     assert not stands(9.99, 80.0, discs)
     assert stands(10.01, 80.0, discs)
     # As for wheels on level axles, of which `upright` says the same.
@@ -39,6 +39,6 @@ def test_nobody_stands_on_the_face_of_a_wheel(discs: int) -> None:
     assert stands(10.01, 45.0, discs)
 
 
-def test_a_robot_that_may_lie_on_its_side_may_lie_on_its_wheels() -> None:
+def test_a_robot_that_may_lie_on_its_side_may_lie_on_its_wheels():
     assert stands(0.1, 90.0)
     assert stands(0.1, 180.0)

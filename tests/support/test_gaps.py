@@ -20,7 +20,7 @@ STANDS, TIPS = 0, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 
-def stays(front: float, rear: float, high: float, com: float) -> bool:
+def stays(front, rear, high, com):
     """Tell whether a robot that is let go on its keel stays on the plane ahead and behind.
 
     In the plane of x and z: the keel is at the origin, with the com above it.  It turns by the
@@ -38,7 +38,7 @@ def stays(front: float, rear: float, high: float, com: float) -> bool:
 
 
 @pytest.mark.parametrize("rock_angle", [0.0, 10.0, 30.0, 45.0])
-def test_a_robot_on_its_keel_is_held_where_both_planes_hold_it_by_hand(rock_angle: float) -> None:
+def test_a_robot_on_its_keel_is_held_where_both_planes_hold_it_by_hand(rock_angle):
     rng = np.random.default_rng(1)
     seen = []
     for _ in range(150):
@@ -62,7 +62,7 @@ def test_a_robot_on_its_keel_is_held_where_both_planes_hold_it_by_hand(rock_angl
     assert 0.1 < np.mean(seen) < 0.9 or rock_angle == 0.0
 
 
-def test_a_wider_least_rest_or_a_smaller_rock_angle_never_enlarges_the_region() -> None:
+def test_a_wider_least_rest_or_a_smaller_rock_angle_never_enlarges_the_region():
     rng = np.random.default_rng(2)
     smaller = 0
     for seed in range(40):
@@ -92,7 +92,7 @@ LEANING = """
 """
 
 
-def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once() -> None:
+def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once():
     # Defect 2: a step along an arc landed on another branch, and a false facet came in for ever.
     numbers = np.array(LEANING.split(), float).reshape(4, 5)
     axis = np.stack([0.0 * numbers[:, 4], np.full(4, 0.6448265472399961), numbers[:, 4]], -1)
@@ -107,7 +107,7 @@ def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once() 
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family: str) -> None:
+def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family):
     for seed in range(100, 112):
         rows = drawn(family, np.random.default_rng(seed))
         truth = [f for f in facets_of(rows) if -f.normal[2] > math.cos(math.radians(80.0))]
@@ -120,7 +120,7 @@ def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family: s
             assert np.abs(found - f.normal).max(axis=1).min() < 1e-8
 
 
-def sole(count: int, step: float) -> tuple[str, float]:
+def sole(count, step):
     """Return a sole of two rails of wheels on an arc of 0.5 m, and its limit (deg) by geometry."""
     angles = math.radians(step) * (np.arange(count) - (count - 1) / 2.0)
     centres = [(0.48 * math.sin(a), 0.1 - 0.48 * math.cos(a)) for a in angles]
@@ -135,9 +135,7 @@ def sole(count: int, step: float) -> tuple[str, float]:
 
 
 @pytest.mark.parametrize(("count", "step"), [(20, 1.0), (20, 3.3), (31, 0.3), (31, 2.2)])
-def test_a_sole_of_many_wheels_stands_until_gravity_passes_the_last_one(
-    count: int, step: float
-) -> None:
+def test_a_sole_of_many_wheels_stands_until_gravity_passes_the_last_one(count, step):
     text, limit = sole(count, step)
     tilts = np.arange(0.0, 80.0, 0.05)
     t = np.radians(tilts)
@@ -149,7 +147,7 @@ def test_a_sole_of_many_wheels_stands_until_gravity_passes_the_last_one(
     assert safe[tilts <= limit].mean() > 0.9
 
 
-def track(wheels: tuple[float, ...]) -> str:
+def track(wheels):
     """Return a recipe of a car whose front wheels of one size stand in a row on a link."""
     text = "".join(
         contact(f"{name}{side}{k}", (x, y, -0.1), 0.1, (0, 1, 0), link)
@@ -168,7 +166,7 @@ def track(wheels: tuple[float, ...]) -> str:
     )
 
 
-def test_wheels_of_one_size_in_a_row_carry_as_the_outer_two_of_them() -> None:
+def test_wheels_of_one_size_in_a_row_carry_as_the_outer_two_of_them():
     rng = np.random.default_rng(2)
     pitch = rng.uniform(-math.pi, math.pi, (3000, 1))
     g = rng.normal(size=(3000, 3)) - (0.0, 0.0, 1.5)
@@ -181,7 +179,7 @@ def test_wheels_of_one_size_in_a_row_carry_as_the_outer_two_of_them() -> None:
     assert np.abs(whole["tip_angle"] - outer["tip_angle"])[both].max() < 1e-6
 
 
-def test_no_ray_slips_between_two_rests_that_rounding_tilts() -> None:
+def test_no_ray_slips_between_two_rests_that_rounding_tilts():
     # Flippers of two rims, straight down on three sides: the diagonal that two rests share goes
     # through the com's foot, and is 7e-13 m elsewhere on the one than on the other.
     posture = [-1.5707154, -1.5707999, 1.5707999, 1.1126823]
@@ -192,7 +190,7 @@ def test_no_ray_slips_between_two_rests_that_rounding_tilts() -> None:
     np.testing.assert_allclose(found["tip_angle"], 0.61075017, rtol=0.0, atol=1e-5)
 
 
-def test_five_wheels_on_one_plane_but_for_noise_are_one_rest() -> None:
+def test_five_wheels_on_one_plane_but_for_noise_are_one_rest():
     posture = np.array([-0.0925897, 0.1297626, 0.0809596, 0.2555615])
     g = np.array([-0.2772653, -0.5194992, -0.8082355])
     near = np.concatenate([[posture], posture + 1e-5 * np.concatenate([np.eye(4), -np.eye(4)])])

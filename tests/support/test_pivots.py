@@ -1,7 +1,6 @@
 """Axles that swing about a pivot: a tractor stands on its rear wheels and on its front pivot."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,20 +8,12 @@ from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.analysis import Posture, ground_tilt
-from lutgen.recipe import Recipe
 from tests.fixtures.commands import data, stdout
 
 SIDEWAYS, NONE = math.pi / 2.0, np.zeros((1, 0))
 
 
-def tractor(
-    pivot: float | None,
-    com: tuple[float, float, float] = (0.8, 0.0, 0.9),
-    base: float = 2.3,
-    tracks: tuple[float, float] = (0.8, 0.8),
-    extra: str = "",
-    axle: float = 0.0,
-) -> Recipe:
+def tractor(pivot, com=(0.8, 0.0, 0.9), base=2.3, tracks=(0.8, 0.8), extra="", axle=0.0):
     """Return a robot on four feet, the front ones on an axle whose pivot is so high; None: rigid.
 
     `base` and `tracks` are the wheelbase and half the rear and the front track, `axle` is the mass
@@ -50,9 +41,9 @@ def tractor(
     return lutgen.parse_recipe("\n".join(lines))
 
 
-def polygon(pivot: float, com: tuple[float, float, float], base: float, tracks: object) -> object:
+def polygon(pivot, com, base, tracks):
     """Return half planes (a, b, c), a x + b y + c <= 0, of where gravity must pierce the ground."""
-    rear, front = tracks  # type: ignore[misc]
+    rear, front = tracks
     ahead = base - com[0]
     place = com[:2] + (com[2] / (com[2] - pivot)) * np.array([ahead, -com[1]])
     carried = ConvexHull([[0.0, rear], [0.0, -rear], place]).equations
@@ -64,7 +55,7 @@ def polygon(pivot: float, com: tuple[float, float, float], base: float, tracks: 
     ("pivot", "sideways", "worst"),
     [(None, 41.6, 41.6), (0.7, 38.5, 38.3), (0.5, 35.7, 35.2), (0.0, 30.1, 28.7)],
 )
-def test_a_tractor_tips_over_its_pivot(pivot: float | None, sideways: float, worst: float) -> None:
+def test_a_tractor_tips_over_its_pivot(pivot, sideways, worst):
     # Worked by hand: 0.8 (1 - 0.8 / x) / 0.9 with x = 0.8 + 1.5 * 0.9 / (0.9 - z).
     found = ground_tilt(Posture(tractor(pivot), []))
     assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
@@ -73,7 +64,7 @@ def test_a_tractor_tips_over_its_pivot(pivot: float | None, sideways: float, wor
     assert math.degrees(found.guaranteed) == pytest.approx(worst, abs=0.06)
 
 
-def test_verdicts_are_those_of_a_polygon_made_by_another_way() -> None:
+def test_verdicts_are_those_of_a_polygon_made_by_another_way():
     rng = np.random.default_rng(5)
     wrong = stands = 0
     for _ in range(60):
@@ -94,7 +85,7 @@ def test_verdicts_are_those_of_a_polygon_made_by_another_way() -> None:
     assert 2000 < stands < 16000
 
 
-def test_a_narrow_axle_turns_over_its_own_wheel_before_the_robot_tips() -> None:
+def test_a_narrow_axle_turns_over_its_own_wheel_before_the_robot_tips():
     # Its pivot is 0.7 high and its wheels are 0.3 from the middle: atan(0.3 / 0.7) = 23.2 deg.
     found = ground_tilt(Posture(tractor(0.7, tracks=(0.8, 0.3)), []))
     assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
@@ -102,7 +93,7 @@ def test_a_narrow_axle_turns_over_its_own_wheel_before_the_robot_tips() -> None:
     )
 
 
-def test_energy_and_margin_are_those_of_the_line_through_a_wheel_and_the_pivot() -> None:
+def test_energy_and_margin_are_those_of_the_line_through_a_wheel_and_the_pivot():
     # Turned about the line from (0, 0.8, 0) to (2.3, 0, 0.5) until the com is highest.
     wheel, pivot, com = np.array([0.0, 0.8, 0.0]), np.array([2.3, 0.0, 0.5]), [0.8, 0.0, 0.9]
     line = (pivot - wheel) / np.linalg.norm(pivot - wheel)
@@ -116,14 +107,14 @@ def test_energy_and_margin_are_those_of_the_line_through_a_wheel_and_the_pivot()
     assert found["margin"][0, 0] == pytest.approx(away, rel=1e-12)
 
 
-def test_a_higher_pivot_holds_more_until_the_axle_turns_over_its_own_wheel() -> None:
+def test_a_higher_pivot_holds_more_until_the_axle_turns_over_its_own_wheel():
     limits = [ground_tilt(Posture(tractor(z), [])).guaranteed for z in (0.5, 0.8, 0.86, None)]
     assert limits == sorted(limits)
     above = ground_tilt(Posture(tractor(2.0), [])).guaranteed
     assert math.degrees(above) == pytest.approx(math.degrees(math.atan2(0.8, 2.0)), abs=1e-4)
 
 
-def test_the_weight_of_an_axle_does_not_hold_the_rest() -> None:
+def test_the_weight_of_an_axle_does_not_hold_the_rest():
     # Its com is at the pivot: sideways the rest tips as if the axle had no weight.
     limits = [
         ground_tilt(Posture(tractor(0.5, axle=mass), [])).limits(np.array([SIDEWAYS]))[0]
@@ -132,9 +123,9 @@ def test_the_weight_of_an_axle_does_not_hold_the_rest() -> None:
     assert limits[0] == pytest.approx(limits[1], abs=1e-9)
 
 
-def test_the_centre_of_a_tractor_is_that_of_its_cut_triangle() -> None:
+def test_the_centre_of_a_tractor_is_that_of_its_cut_triangle():
     # The triangle (0, 0.8), (0, -0.8), (4.175, 0), cut at x = 2.3.
-    def area_and_moment(x: float) -> tuple[float, float]:
+    def area_and_moment(x):
         width = 1.6 / 4.175
         return 1.6 * x - width * x * x / 2, 1.6 * x * x / 2 - width * x**3 / 3
 
@@ -143,7 +134,7 @@ def test_the_centre_of_a_tractor_is_that_of_its_cut_triangle() -> None:
     assert sdg == pytest.approx(moment / area - 0.8, rel=1e-9)
 
 
-def test_stops_change_no_verdict_and_two_axles_carry_nothing() -> None:
+def test_stops_change_no_verdict_and_two_axles_carry_nothing():
     stops = tractor(0.5, extra="").text.replace('name = "front"', 'name = "front"\nstops = 11.0')
     down = [[0.2, 0.5, -1.0]]
     free, stopped = (
@@ -157,7 +148,7 @@ def test_stops_change_no_verdict_and_two_axles_carry_nothing() -> None:
     assert both["tip_angle"][0, 0] == -math.pi
 
 
-def test_a_plane_on_one_wheel_of_an_axle_is_no_rest() -> None:
+def test_a_plane_on_one_wheel_of_an_axle_is_no_rest():
     # A keel so deep that no plane touches both front wheels and three more.
     keel = '[[robot.contact]]\nname = "keel"\nlink = "body"\nposition = [1.2, 0, -0.3]'
     rigid, swings = tractor(None, extra=keel), tractor(0.5, extra=keel)
@@ -171,7 +162,7 @@ def test_a_plane_on_one_wheel_of_an_axle_is_no_rest() -> None:
     assert all(len(one) != 1 for one in touched[1])
 
 
-def test_a_sweep_of_a_tractor_agrees_with_evaluate(tmp_path: Path) -> None:
+def test_a_sweep_of_a_tractor_agrees_with_evaluate(tmp_path):
     recipe = tractor(0.5)
     swept = lutgen.sweep(recipe, tmp_path / "map.h5")
     exact = lutgen.evaluate(recipe, NONE, recipe.chart.directions().reshape(-1, 3), recipe.channels)
@@ -179,7 +170,7 @@ def test_a_sweep_of_a_tractor_agrees_with_evaluate(tmp_path: Path) -> None:
         np.testing.assert_allclose(swept[name].ravel(), exact[name][0], rtol=3e-7, atol=1e-7)
 
 
-def test_check_says_which_contacts_swing(tmp_path: Path) -> None:
+def test_check_says_which_contacts_swing(tmp_path):
     path = tmp_path / "tractor.toml"
     path.write_text(tractor(0.5).text)
     assert data("check", path)["axles"] == {"front": ["front_left", "front_right"]}
@@ -188,13 +179,9 @@ def test_check_says_which_contacts_swing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("change", "key"),
-    [
-        ('"front_left", "front_right"', "contacts[2]"),
-        ("pivot", "pivot"),
-        ("link", "link"),
-    ],
+    [('"front_left", "front_right"', "contacts[2]"), ("pivot", "pivot"), ("link", "link")],
 )
-def test_a_wrong_axle_is_named(change: str, key: str) -> None:
+def test_a_wrong_axle_is_named(change, key):
     text = tractor(0.5).text
     wrong = {
         "contacts[2]": text.replace('"front_left", "front_right"', '"front_left", "front_left"'),

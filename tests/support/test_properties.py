@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import lutgen
 from lutgen.errors import InputError
 from tests.fixtures.recipes import ALL_CHANNELS, contact, feet, rigid
-from tests.oracles.primitives import Floats, norm, unit
+from tests.oracles.primitives import norm, unit
 
 LENGTHS = ("sdg", "height", "margin", "energy_margin")
 LIMITS = (radians(90.0), radians(30.0))
@@ -39,7 +39,7 @@ real_robots = st.lists(
 ).map(np.array)
 
 
-def directions(seed: int, count: int) -> Floats:
+def directions(seed, count):
     """Return unit directions: half of them anywhere, half of them within 60 deg of -z."""
     rng = np.random.default_rng(seed)
     g = rng.normal(size=(count, 3))
@@ -47,15 +47,13 @@ def directions(seed: int, count: int) -> Floats:
     return unit(g)
 
 
-def judged(
-    contacts: Floats, gravity: Floats, limits: tuple[float, ...] | None = LIMITS
-) -> dict[str, Floats]:
+def judged(contacts, gravity, limits=LIMITS):
     """Return all channels (g,) of one posture (n, 3)."""
     got = lutgen.stability(contacts[None], gravity, ALL_CHANNELS, *(limits or (None, None)))
     return {name: got[name][0] for name in ALL_CHANNELS}
 
 
-def assume_steady(contacts: Floats, gravity: Floats) -> Floats:
+def assume_steady(contacts, gravity):
     """Leave out robots whose facets hang on rounding, and directions on an edge."""
     size = float(norm(contacts).max())
     for three in combinations(range(len(contacts)), 3):
@@ -71,7 +69,7 @@ def assume_steady(contacts: Floats, gravity: Floats) -> Floats:
     return np.asarray(gravity[clear])
 
 
-def assert_same(got: dict[str, Floats], want: dict[str, Floats], scale: float = 1.0) -> None:
+def assert_same(got, want, scale=1.0):
     """Compare up to rounding; lengths are `scale` times as long, and the facet has its own number.
 
     1e-16 times how badly conditioned the robots drawn here are.
@@ -90,9 +88,7 @@ def assert_same(got: dict[str, Floats], want: dict[str, Floats], scale: float = 
 
 @bounded
 @given(real_robots, seeds)
-def test_turning_mirroring_scaling_and_numbering_change_nothing_but_the_lengths(
-    contacts: Floats, seed: int
-) -> None:
+def test_turning_mirroring_scaling_and_numbering_change_nothing_but_the_lengths(contacts, seed):
     gravity = assume_steady(contacts, directions(seed, 12))
     rng = np.random.default_rng(seed)
     free, limited = judged(contacts, gravity, None), judged(contacts, gravity)
@@ -113,9 +109,7 @@ def test_turning_mirroring_scaling_and_numbering_change_nothing_but_the_lengths(
 
 @bounded
 @given(real_robots, seeds)
-def test_without_limits_a_contact_more_never_hurts_and_one_above_a_table_is_none(
-    contacts: Floats, seed: int
-) -> None:
+def test_without_limits_a_contact_more_never_hurts_and_one_above_a_table_is_none(contacts, seed):
     gravity = assume_steady(contacts, directions(seed, 12))
     rng = np.random.default_rng(seed)
     more = judged(np.concatenate((contacts, rng.normal(size=(1, 3)))), gravity, None)["tip_angle"]
@@ -132,9 +126,7 @@ def test_without_limits_a_contact_more_never_hurts_and_one_above_a_table_is_none
 
 @bounded
 @given(real_robots, seeds, st.floats(-8.0, 0.5), st.sampled_from(["point", "ball", "disc"]))
-def test_tip_angle_changes_by_no_more_than_gravity_turns(
-    contacts: Floats, seed: int, exponent: float, kind: str
-) -> None:
+def test_tip_angle_changes_by_no_more_than_gravity_turns(contacts, seed, exponent, kind):
     start = directions(seed, 40)
     stop = unit(start + 10.0**exponent * np.random.default_rng(seed + 1).normal(size=start.shape))
     turned = 2.0 * np.arcsin(np.minimum(norm(start - stop) / 2.0, 1.0))
@@ -153,7 +145,7 @@ def test_tip_angle_changes_by_no_more_than_gravity_turns(
 
 @settings(bounded, max_examples=300)
 @given(st.one_of(whole_robots, real_robots), seeds, st.booleans())
-def test_all_channels_tell_the_same_verdict(contacts: Floats, seed: int, limited: bool) -> None:
+def test_all_channels_tell_the_same_verdict(contacts, seed, limited):
     edges = unit(contacts + np.roll(contacts, 1, axis=0) + 1e-9)
     gravity = np.concatenate((directions(seed, 12), np.eye(3), -np.eye(3), edges))
     got = judged(contacts, gravity, LIMITS if limited else None)
@@ -168,7 +160,7 @@ def test_all_channels_tell_the_same_verdict(contacts: Floats, seed: int, limited
         assert ((got[name] < 0.0) == tips).all()
 
 
-def test_a_batch_gives_the_same_bits_as_its_postures_and_directions_one_by_one() -> None:
+def test_a_batch_gives_the_same_bits_as_its_postures_and_directions_one_by_one():
     rng = np.random.default_rng(17)
     contacts, gravity = rng.uniform(-1.0, 0.2, (5, 6, 3)), directions(18, 8)
     together = lutgen.stability(contacts, gravity, ALL_CHANNELS, *LIMITS)
@@ -180,7 +172,7 @@ def test_a_batch_gives_the_same_bits_as_its_postures_and_directions_one_by_one()
                 np.testing.assert_array_equal(alone[0, 0], together[name][m, g])
 
 
-def test_exactly_on_a_shared_edge_it_stands_and_on_an_axis_with_tip_angle_zero() -> None:
+def test_exactly_on_a_shared_edge_it_stands_and_on_an_axis_with_tip_angle_zero():
     cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     ways = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
     ways = ways[norm(ways) > 0]
@@ -196,7 +188,7 @@ def test_exactly_on_a_shared_edge_it_stands_and_on_an_axis_with_tip_angle_zero()
 
 
 @pytest.mark.parametrize("bad", [nan, np.inf])
-def test_numbers_that_are_none_shapes_and_unknown_channels_are_refused(bad: float) -> None:
+def test_numbers_that_are_none_shapes_and_unknown_channels_are_refused(bad):
     table = np.array([[1.0, 1, -1], [-1, 1, -1], [-1, -1, -1], [1, -1, -1]])
     broken = table.copy()
     broken[1, 2] = bad

@@ -8,7 +8,6 @@ import pytest
 
 import lutgen
 from tests.fixtures.places import MAPS, VECTORS
-from tests.oracles.primitives import Floats
 
 RADIUS = sqrt(20.0**2 + 12.0**2)
 A0 = atan(0.6)
@@ -18,23 +17,23 @@ DOWN = np.array([0.0, 0.0, -1.0])
 WIDE = (MAPS / "paper_two.toml").read_text(encoding="utf-8").replace("max = 50.0", "max = 90.0")
 
 
-def rows(name: str) -> list[dict[str, str]]:
+def rows(name):
     """Rows of a table, its comment lines left out."""
     lines = (VECTORS / name).read_text(encoding="utf-8").splitlines()
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
-def angle(text: str) -> float:
+def angle(text):
     """Angle (rad) of a cell in deg, where A0 is the paper's nominal elevation."""
     return A0 if text == "A0" else radians(float(text))
 
 
-def limit(text: str) -> float | None:
+def limit(text):
     """Limit (rad) of a cell in deg, None for "none"."""
     return None if text == "none" else radians(float(text))
 
 
-def paper_wheels(alpha: float, gamma: float) -> Floats:
+def paper_wheels(alpha, gamma):
     """Wheels (3, 3) of the paper's robot."""
     elevations = np.array([alpha, gamma, A0])
     azimuths = np.radians([0.0, 120.0, 240.0])
@@ -48,7 +47,7 @@ def paper_wheels(alpha: float, gamma: float) -> Floats:
     )
 
 
-def down_of(wheels: Floats, convention: str) -> Floats:
+def down_of(wheels, convention):
     """Gravity (3,): "P" across the ground plane of the wheels, "F" along the robot's -z."""
     if convention == "F":
         return DOWN
@@ -56,12 +55,12 @@ def down_of(wheels: Floats, convention: str) -> Floats:
     return np.asarray(-normal / np.sqrt(normal @ normal))
 
 
-def tolerance(row: dict[str, str]) -> float:
+def tolerance(row):
     """Half a unit of the last digit of a row, plus what one rounding more can add."""
     return 0.51 * float(row["unit_of_last_digit"])
 
 
-def tilted(heading: str, tilt: float) -> Floats:
+def tilted(heading, tilt):
     """Gravity (3,) with the nose down, the nose up, or over to the left or right by `tilt`."""
     x, y = {"nose_down": (1, 0), "nose_up": (-1, 0), "left": (0, 1), "right": (0, -1)}[heading]
     return np.array([sin(tilt) * x, sin(tilt) * y, -cos(tilt)])
@@ -70,7 +69,7 @@ def tilted(heading: str, tilt: float) -> Floats:
 HEADINGS = ("nose_down", "nose_up", "left", "right")
 
 
-def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventions() -> None:
+def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventions():
     recipe = lutgen.parse_recipe(WIDE)
     table = rows("paper_sdg.csv")
     params = np.array([[angle(row["alpha_deg"]), angle(row["gamma_deg"])] for row in table])
@@ -86,7 +85,7 @@ def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventio
         assert value == pytest.approx(float(row["sdg"]), abs=tolerance(row)), row
 
 
-def test_height_of_the_papers_robot_equals_the_table() -> None:
+def test_height_of_the_papers_robot_equals_the_table():
     recipe = lutgen.parse_recipe(WIDE)
     for row in rows("paper_height.csv"):
         alpha = angle(row["alpha_deg"])
@@ -98,7 +97,7 @@ def test_height_of_the_papers_robot_equals_the_table() -> None:
         assert of_recipe[0, 0] == pytest.approx(float(row["height"]), abs=5.1e-6)
 
 
-def absolem_feet(row: dict[str, str]) -> Floats:
+def absolem_feet(row):
     """Four feet (4, 3) of the Absolem rectangle, relative to the com."""
     half = np.array([float(row["half_length"]), float(row["half_width"])])
     com = np.array([float(row["com_x"]), float(row["com_y"])])
@@ -106,7 +105,7 @@ def absolem_feet(row: dict[str, str]) -> Floats:
     return np.column_stack((corners, np.full(4, -float(row["com_height"]))))
 
 
-def tilt_at_limit(feet: Floats, heading: str) -> float:
+def tilt_at_limit(feet, heading):
     """Smallest tilt (deg) at which the robot tips, by bisection on the sign of `tip_angle`."""
     low, high = 0.0, radians(89.0)
     while high - low > 1e-9:
@@ -119,7 +118,7 @@ def tilt_at_limit(feet: Floats, heading: str) -> float:
     return degrees(low)
 
 
-def test_the_eight_tip_over_tilts_of_the_absolem_rectangle_equal_the_table() -> None:
+def test_the_eight_tip_over_tilts_of_the_absolem_rectangle_equal_the_table():
     # 0.05 deg: the com is printed to 0.1 mm, which is 0.02 deg at this height.
     for row in rows("absolem_rectangle.csv"):
         for heading in HEADINGS:
@@ -127,7 +126,7 @@ def test_the_eight_tip_over_tilts_of_the_absolem_rectangle_equal_the_table() -> 
             assert tilt == pytest.approx(float(row[heading]), abs=0.05), (row["pose"], heading)
 
 
-def test_margins_equal_the_published_ones_on_both_sides_of_the_limit() -> None:
+def test_margins_equal_the_published_ones_on_both_sides_of_the_limit():
     polygon = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]])
     table = rows("margins.csv")
     assert len(table) == 2
@@ -147,7 +146,7 @@ SOLIDS = {
 }
 
 
-def test_solids_worked_by_hand_have_the_tabled_tip_angle_stability_factor_and_height() -> None:
+def test_solids_worked_by_hand_have_the_tabled_tip_angle_stability_factor_and_height():
     table = rows("solids.csv")
     assert len(table) == 20
     for row in table:
@@ -166,13 +165,13 @@ def test_solids_worked_by_hand_have_the_tabled_tip_angle_stability_factor_and_he
             assert got[name][0, 0] == expected, (name, row)
 
 
-def test_the_corner_of_the_open_box_is_at_the_hand_worked_angle() -> None:
+def test_the_corner_of_the_open_box_is_at_the_hand_worked_angle():
     contacts = np.array(SOLIDS["cube"], dtype=np.float64)
     got = lutgen.stability(contacts[None], DOWN[None], ["tip_angle"], radians(100))
     assert got["tip_angle"][0, 0] == pytest.approx(pi / 2 + asin(1 / sqrt(3)), abs=1e-12)
 
 
-def test_exact_limits_of_the_tripod_follow_its_two_radii() -> None:
+def test_exact_limits_of_the_tripod_follow_its_two_radii():
     contacts = np.array(SOLIDS["tripod"], dtype=np.float64) * [10.0, 10.0, 12.0]
     # Circumradius 20, in-radius 10, height 12: 39.81 deg over an edge, 59.04 over a foot.
     over_edge = tilt_at_limit(contacts, "nose_up")

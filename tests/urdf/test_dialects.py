@@ -23,7 +23,7 @@ RPY, QUAT = 'rpy="0 -1.5707963267948966 0"', 'quat_xyzw="0 -3 0 3"'
 SHOULDER = joint("sh", "fixed", "base", "arm", "", "0 0 0.1", "0 -1.5707963267948966 0")
 
 
-def test_a_quaternion_turns_as_the_angles_do() -> None:
+def test_a_quaternion_turns_as_the_angles_do():
     for turn in (RPY, 'quat_xyzw="0 -0.7071067811865476 0 0.7071067811865476"', QUAT):
         one = parse_urdf(robot(ARM, SHOULDER.replace(RPY, turn)))
         com = centre_of_mass(one, places(one, read_motion(one)))
@@ -40,13 +40,13 @@ def test_a_quaternion_turns_as_the_angles_do() -> None:
         ("<robot", '<robot version="2.0"', "has a version that is not known (got '2.0')"),
     ],
 )
-def test_a_turn_or_version_that_is_not_understood_is_refused(old: str, new: str, said: str) -> None:
+def test_a_turn_or_version_that_is_not_understood_is_refused(old, new, said):
     with pytest.raises(RecipeError) as caught:
         parse_urdf(robot(ARM, SHOULDER).replace(old, new))
     assert said in str(caught.value)
 
 
-def test_whatever_the_format_does_not_have_is_named() -> None:
+def test_whatever_the_format_does_not_have_is_named():
     odd = "<origin xyz='1 0 0'/><extra/><extra/>"
     text = robot(ARM.replace('<link name="arm">', f'<link name="arm">{odd}'), SHOULDER)
     text = text.replace("<sphere", '<sphere rpy="1 0 0"', 1)
@@ -61,7 +61,7 @@ def test_whatever_the_format_does_not_have_is_named() -> None:
     assert import_urdf(parse_urdf(known)).left_out == ()
 
 
-def guaranteed(text: str) -> float:
+def guaranteed(text):
     """Return the tilt (deg) up to which a robot of that description does not tip."""
     recipe = import_urdf(parse_urdf(text)).recipe
     limits = posture_limits(Posture(recipe, np.array(recipe.home_params)))
@@ -75,14 +75,14 @@ SMALL = "".join(
 PLACES = [f"{x} {y} -0.25" for x in (0.3, -0.3) for y in (0.2, -0.2)]
 
 
-def on_feet(shape: str, xyz: str) -> str:
+def on_feet(shape, xyz):
     """Return a body with small balls below it and a shape on each of four feet."""
     feet = "".join(link(f"f{i}", 0.5, inside=collision(shape, xyz)) for i in range(4))
     fixed = (joint(f"k{i}", "fixed", "base", f"f{i}", xyz=place) for i, place in enumerate(PLACES))
     return robot(link("base", 10.0, inside=SMALL), feet, *fixed)
 
 
-def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
+def test_a_capsule_stands_on_the_balls_at_its_ends():
     told = guaranteed(on_feet(CAPSULE, "0 0 0"))
     assert told == pytest.approx(guaranteed(on_feet(BALL, "0 0 -0.05")))
     assert told == pytest.approx(32.97, abs=0.01)
@@ -90,14 +90,14 @@ def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
     assert guaranteed(robot(link("base", 10.0, inside=SMALL + feet))) == pytest.approx(29.74, 1e-3)
 
 
-def test_an_unknown_shape_that_is_lowest_and_a_description_without_mass_are_refused() -> None:
+def test_an_unknown_shape_that_is_lowest_and_a_description_without_mass_are_refused():
     with pytest.raises(RecipeError, match="a shape of kind 'torus' is not understood"):
         import_urdf(parse_urdf(on_feet("torus", "0 0 -0.05")))
     with pytest.raises(RecipeError, match="no link has a mass"):
         import_urdf(parse_urdf(robot(link("base", inside=FEET))))
 
 
-def warned(text: str) -> list[str]:
+def warned(text):
     """Return the warnings of an import."""
     return list(import_urdf(parse_urdf(text)).warnings)
 
@@ -116,12 +116,12 @@ LIMIT = '<axis xyz="0 0 1"/><limit lower="{}" upper="{}"/>'
         (robot(ARM.replace('xyz="0 0 0"', 'xyz="0 0 9"'), SHOULDER), "link 'base': its centre of"),
     ],
 )
-def test_what_looks_like_a_mistake_is_a_warning_that_names_it(text: str, said: str | None) -> None:
+def test_what_looks_like_a_mistake_is_a_warning_that_names_it(text, said):
     found = warned(text)
     assert [words[: len(said or "")] for words in found] == ([said] if said else [])
 
 
-def tractor(effort: float) -> str:
+def tractor(effort):
     """Return a tractor whose front axle turns about a pivot 0.5 m above the ground."""
     ball = 'sphere radius="0.05"'
     rear = "".join(collision(ball, f"0 {y} 0.05") for y in (0.8, -0.8))
@@ -131,7 +131,7 @@ def tractor(effort: float) -> str:
     return robot(link("chassis", 3000.0, "0.8 0 0.9", rear), link("axle", inside=front), pivot)
 
 
-def test_an_axle_whose_joint_has_no_effort_swings_and_is_no_parameter() -> None:
+def test_an_axle_whose_joint_has_no_effort_swings_and_is_no_parameter():
     driven = import_urdf(parse_urdf(tractor(100.0)))
     assert (driven.recipe.axles, driven.warnings) == ((), ())
     assert [one.name for one in driven.recipe.parameters] == ["pivot"]
@@ -147,7 +147,7 @@ def test_an_axle_whose_joint_has_no_effort_swings_and_is_no_parameter() -> None:
     assert math.degrees(float(limit[0, 0])) == pytest.approx(35.7, abs=0.1)
 
 
-def test_contacts_on_a_joint_without_effort_that_is_no_axle_are_a_warning() -> None:
+def test_contacts_on_a_joint_without_effort_that_is_no_axle_are_a_warning():
     (words,) = warned(tractor(0.0).replace('axis xyz="1 0 0"', 'axis xyz="0 1 0"'))
     assert words.startswith("joint 'pivot': effort is 0")
     assert "[[robot.axle]]" in words
@@ -168,15 +168,13 @@ SOLE = "".join(collision('box size="0.2 0.1 0.02"', f"0 {y} -0.9") for y in (0.1
         (FEET + SOLE + LOOKS, 4 * ["sphere"], None),
     ],
 )
-def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(
-    inside: str, kinds: list[str], guess: str | None
-) -> None:
+def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(inside, kinds, guess):
     found = import_urdf(parse_urdf(robot(link("base", 9.0, "0 0 0", inside))))
     assert [contact.kind for contact in found.recipe.contacts] == kinds
     assert [words[: len(guess or "")] for words in found.guessed] == ([guess] if guess else [])
 
 
-def test_a_joint_without_limits_turns_all_the_way_and_is_named() -> None:
+def test_a_joint_without_limits_turns_all_the_way_and_is_named():
     endless = joint("lean", "revolute", "base", "arm", '<axis xyz="0 1 0"/>')
     found = import_urdf(parse_urdf(robot(ARM, endless)))
     assert [p.maximum for p in found.recipe.parameters] == [pytest.approx(math.pi)]
@@ -194,9 +192,7 @@ SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocit
         ((0, 0), (-0.5, 1.0), False),
     ],
 )
-def test_soft_limits_are_named_and_taken_when_asked_for(
-    soft: tuple[float, float], limits: tuple[float, float], said: bool
-) -> None:
+def test_soft_limits_are_named_and_taken_when_asked_for(soft, limits, said):
     inside = LIMIT.format(-0.5, 1.0) + SOFT.format(*soft)
     described = parse_urdf(robot(ARM, joint("lean", "revolute", "base", "arm", inside)))
     left = import_urdf(described, joints=["lean"]).left_out
@@ -204,7 +200,7 @@ def test_soft_limits_are_named_and_taken_when_asked_for(
     assert read_motion(soft_limited(described)).free == {"lean": limits}
 
 
-def test_the_reference_has_every_element_and_attribute_that_is_understood() -> None:
+def test_the_reference_has_every_element_and_attribute_that_is_understood():
     page = (ROOT / "docs/reference/urdf.md").read_text(encoding="utf-8")
     words = set(re.findall(r"`([a-z_]+)`", page))
     inertia = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}

@@ -2,8 +2,6 @@
 
 import random
 import re
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -28,7 +26,7 @@ SRDF = """<?xml version="1.0"?>
 </robot>"""
 
 
-def stand(file: Path) -> None:
+def stand(file):
     """Import the rover as an SRDF file says that it stands."""
     robot = load_urdf(VECTORS / "rover.urdf")
     found = load_srdf(file, robot)
@@ -36,7 +34,7 @@ def stand(file: Path) -> None:
     import_urdf(robot, posture=found.posture(name) if name else None)
 
 
-def expand(file: Path) -> None:
+def expand(file):
     """Import a xacro file."""
     packages = {folder.name: folder for folder in (XACRO / "share").iterdir()}
     import_urdf(load_xacro(file, packages))
@@ -51,13 +49,7 @@ def expand(file: Path) -> None:
     ],
     ids=["urdf", "srdf", "xacro"],
 )
-def test_a_file_with_faults_is_read_or_refused_in_a_sentence(
-    sound: str,
-    read: Callable[[Path], None],
-    count: int,
-    tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_file_with_faults_is_read_or_refused_in_a_sentence(sound, read, count, tmp_path, capfd):
     rng, file, said = random.Random(1), tmp_path / "broken", []
     for _ in range(count):
         file.write_bytes(broken(rng, sound))

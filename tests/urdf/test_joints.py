@@ -5,7 +5,6 @@ import math
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Couple, Drive, read_motion
 from lutgen.urdf.links import links_of, places
 from lutgen.urdf.read import parse_urdf
@@ -14,11 +13,11 @@ from tests.fixtures.robots import joint, link, robot
 MIMIC = '<mimic joint="{}" multiplier="{}" offset="{}"/>'
 
 
-def limit(low: float, high: float) -> str:
+def limit(low, high):
     return f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>'
 
 
-def row(*joints: tuple[str, str, str]) -> UrdfRobot:
+def row(*joints):
     """Return links in a row with joints of (name, kind, inside) along x, 1 m apart."""
     parts = [link(f"l{i}", 1.0) for i in range(len(joints) + 1)]
     parts += [
@@ -28,7 +27,7 @@ def row(*joints: tuple[str, str, str]) -> UrdfRobot:
     return parse_urdf(robot(*parts), "row.urdf")
 
 
-def test_mimics_multiply_and_add_and_the_limits_of_a_follower_bound_its_master() -> None:
+def test_mimics_multiply_and_add_and_the_limits_of_a_follower_bound_its_master():
     # c = 3 b + 0.5 and b = -2 a + 0.1, so c = -6 a + 0.8; c is written before its master.
     chain = [
         ("c", "continuous", MIMIC.format("b", 3, 0.5)),
@@ -50,7 +49,7 @@ def test_mimics_multiply_and_add_and_the_limits_of_a_follower_bound_its_master()
         read_motion(row(*endless))
 
 
-def test_a_joint_that_turns_by_a_whole_turn_or_has_no_limits_has_one_turn() -> None:
+def test_a_joint_that_turns_by_a_whole_turn_or_has_no_limits_has_one_turn():
     found = read_motion(
         row(
             ("a", "continuous", ""),
@@ -76,9 +75,7 @@ def test_a_joint_that_turns_by_a_whole_turn_or_has_no_limits_has_one_turn() -> N
         ("revolute", MIMIC.format("weld", 1, 0.2), "follows 'weld', which is fixed"),
     ],
 )
-def test_a_joint_that_cannot_be_a_parameter_is_held_with_a_reason(
-    kind: str, inside: str, why: str
-) -> None:
+def test_a_joint_that_cannot_be_a_parameter_is_held_with_a_reason(kind, inside, why):
     found = read_motion(
         row(("a", "revolute", limit(-1, 1)), ("weld", "fixed", ""), ("b", kind, inside))
     )
@@ -87,7 +84,7 @@ def test_a_joint_that_cannot_be_a_parameter_is_held_with_a_reason(
     assert why in found.held["b"]
 
 
-def test_held_joints_stand_at_zero_or_at_their_limit_nearest_to_zero() -> None:
+def test_held_joints_stand_at_zero_or_at_their_limit_nearest_to_zero():
     described = row(
         ("a", "revolute", limit(0.5, 1.0)),
         ("b", "prismatic", limit(-3.0, -2.0)),
@@ -113,7 +110,7 @@ def test_held_joints_stand_at_zero_or_at_their_limit_nearest_to_zero() -> None:
     )
 
 
-def test_a_chosen_joint_that_cannot_be_free_is_refused() -> None:
+def test_a_chosen_joint_that_cannot_be_free_is_refused():
     described = row(
         *(("a", "continuous", ""), ("b", "continuous", MIMIC.format("a", 1, 0))),
         *(("c", "fixed", ""), ("d", "planar", "")),
@@ -132,7 +129,7 @@ TURNS = '<axis xyz="0 0 1"/><limit lower="{}" upper="{}" effort="1" velocity="1"
 FOLLOWER = '<axis xyz="0 0 1"/><mimic joint="b" multiplier="3" offset="0.5"/>'
 
 
-def star() -> UrdfRobot:
+def star():
     """Return a robot with joints of all kinds on its base."""
     kinds = {
         "a": ("revolute", TURNS.format(-1, 2)),
@@ -149,7 +146,7 @@ def star() -> UrdfRobot:
     return parse_urdf(robot(*parts), "star.urdf")
 
 
-def test_joints_of_a_couple_follow_its_parameter_and_so_does_what_mimics_them() -> None:
+def test_joints_of_a_couple_follow_its_parameter_and_so_does_what_mimics_them():
     # a = p, b = -2 p + 0.1, follower = 3 b + 0.5 = -6 p + 0.8.
     found = read_motion(star(), (), couples=[Couple("both", {"a": (1.0, 0.0), "b": (-2.0, 0.1)})])
     assert found.drives["a"] == Drive("a", 1.0, 0.0)
@@ -160,7 +157,7 @@ def test_joints_of_a_couple_follow_its_parameter_and_so_does_what_mimics_them() 
     assert set(found.held) == {"turning", "slide", "stuck", "free"}
 
 
-def test_a_parameter_need_not_be_any_of_its_joints() -> None:
+def test_a_parameter_need_not_be_any_of_its_joints():
     # a = 2 p + 1 is 1.5 at rest, so p is 0.25; the turning joint follows without limits.
     couple = Couple("p", {"a": (2.0, 1.0), "turning": (1.0, 0.0)})
     found = read_motion(star(), (), {"a": 1.5}, [couple])
@@ -186,9 +183,7 @@ def test_a_parameter_need_not_be_any_of_its_joints() -> None:
         ({"nothing": (1.0, 0.0), "a": (1.0, 0.0)}, "there is no such joint"),
     ],
 )
-def test_what_cannot_go_together_is_refused(
-    joints: dict[str, tuple[float, float]], said: str
-) -> None:
+def test_what_cannot_go_together_is_refused(joints, said):
     with pytest.raises(RecipeError, match=r"^star\.urdf: .*\.$") as caught:
         read_motion(star(), (), couples=[Couple("p", joints)])
     assert said in str(caught.value)

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from lutgen.errors import InputError
-from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
 from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.sources import Sources
+from lutgen.vector import rotation
 from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, stl, write
 
 DOWN = np.array([0.0, 0.0, -1.0])

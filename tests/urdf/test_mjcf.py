@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.rotation import rotation
 from lutgen.urdf.joints import read_motion
 from lutgen.urdf.links import centre_of_mass, places
 from lutgen.urdf.mjcf import Mjcf, load_mjcf
+from lutgen.vector import rotation
 
 mujoco = pytest.importorskip("mujoco")
 # Degrees, defaults, an anchor away from the body's origin, two joints on one body, a reference

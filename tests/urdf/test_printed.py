@@ -5,8 +5,8 @@ import math
 import pytest
 
 from lutgen.propose import import_urdf
-from lutgen.urdf.printed import meant
 from lutgen.urdf.read import parse_urdf
+from lutgen.urdf.xml import meant
 from tests.fixtures.robots import collision, joint, link, robot
 
 QUARTER = math.pi / 2.0

@@ -2,7 +2,6 @@
 
 import math
 import time
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ from tests.fixtures.robots import collision, joint, link, robot
 PAIR = link("base", 2.0) + link("arm", 1.0)
 
 
-def refusal(content: str | bytes) -> str:
+def refusal(content):
     """Return the sentence with which a description is refused."""
     with pytest.raises(RecipeError) as caught:
         parse_urdf(content, "bad.urdf")
@@ -25,7 +24,7 @@ def refusal(content: str | bytes) -> str:
     return text
 
 
-def test_links_hold_mass_com_and_placed_collision_shapes() -> None:
+def test_links_hold_mass_com_and_placed_collision_shapes():
     shapes = (
         collision('sphere radius="0.25"', "1 2 3")
         + collision('cylinder radius="0.5" length="2"', rpy="1.5 0 0")
@@ -50,7 +49,7 @@ def test_links_hold_mass_com_and_placed_collision_shapes() -> None:
 @pytest.mark.parametrize(
     "kind", ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"]
 )
-def test_every_type_of_joint_is_read(kind: str) -> None:
+def test_every_type_of_joint_is_read(kind):
     inside = '<axis xyz="0 3 4"/><limit lower="-1" upper="2" effort="1" velocity="1"/>'
     (found,) = parse_urdf(
         robot(PAIR, joint("j", kind, "base", "arm", inside, "1 2 3", "0.1 0.2 0.3"))
@@ -63,7 +62,7 @@ def test_every_type_of_joint_is_read(kind: str) -> None:
     assert (found.lower, found.upper) == ((-1.0, 2.0) if limited else (-math.inf, math.inf))
 
 
-def test_axis_limits_and_mimic_have_the_defaults_of_the_format() -> None:
+def test_axis_limits_and_mimic_have_the_defaults_of_the_format():
     third = link("tip")
     follow = joint("k", "revolute", "arm", "tip", '<mimic joint="j"/><limit upper="1"/>')
     first, second = parse_urdf(
@@ -75,7 +74,7 @@ def test_axis_limits_and_mimic_have_the_defaults_of_the_format() -> None:
     assert (second.lower, second.upper) == (0.0, 1.0)
 
 
-def test_elements_nested_in_other_blocks_and_unknown_ones_are_not_read() -> None:
+def test_elements_nested_in_other_blocks_and_unknown_ones_are_not_read():
     block = f"<gazebo>{link('base', 9.0)}{joint('j', 'fixed', 'a', 'b')}</gazebo>"
     other = '<transmission><joint name="j"/></transmission><colour/><colour/>'
     found = parse_urdf(robot(block, PAIR, other, joint("j", "fixed", "base", "arm")))
@@ -92,7 +91,7 @@ OUTSIDE = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot na
 TWO = joint("j", "fixed", "base", "arm")
 
 
-def turning(inside: str) -> str:
+def turning(inside):
     """Return a description of two links and a revolute joint."""
     return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
 
@@ -150,14 +149,14 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("content", "said"), FAULTS)
-def test_a_fault_is_refused_in_one_sentence(content: str | bytes, said: str) -> None:
+def test_a_fault_is_refused_in_one_sentence(content, said):
     text = refusal(content)
     assert said in text
     # What was received is quoted, but not all of it.
     assert len(text) < 400
 
 
-def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+def test_a_missing_file_and_a_folder_are_refused(tmp_path):
     for path in (tmp_path / "none.urdf", tmp_path):
         with pytest.raises(RecipeError, match="check the path"):
             load_urdf(path)
@@ -182,13 +181,13 @@ LITTLE = robot(link("base", 2.0))
     ],
     ids=["utf-16", "declared utf-16", "latin-1", "byte order mark", "cdata", "namespaces"],
 )
-def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content: str | bytes) -> None:
+def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content):
     found = parse_urdf(content)
     assert found.name == "little"
     assert [(part.name, part.mass) for part in found.links] == [("base", 2.0)]
 
 
-def test_megabytes_are_read_in_seconds_and_more_than_sixteen_are_refused() -> None:
+def test_megabytes_are_read_in_seconds_and_more_than_sixteen_are_refused():
     begin = time.process_time()
     text = robot(link("base", inside="<visual><x/></visual>" * 100_000))
     assert isinstance(parse_urdf(text), UrdfRobot)

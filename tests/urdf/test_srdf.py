@@ -2,7 +2,6 @@
 
 import math
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import fromstring
 
 import pytest
@@ -21,7 +20,7 @@ KNEE = '<axis xyz="0 1 0"/><limit lower="-2.5" upper="-0.5"/>'
 HIP = '<axis xyz="0 1 0"/><limit lower="-1.5" upper="1.5"/>'
 
 
-def quadruped(thigh: float = 0.3, shank: float = 0.3) -> str:
+def quadruped(thigh=0.3, shank=0.3):
     """Return a robot of four legs, each with a rotor at the hip and a head with a sensor."""
     parts = [link("base", 10.0, "0 0 0.02")]
     for i, leg in enumerate(LEGS):
@@ -42,7 +41,7 @@ def quadruped(thigh: float = 0.3, shank: float = 0.3) -> str:
     return robot(*parts, name="quadruped")
 
 
-def state(name: str, hip: float, knee: float, more: str = "") -> str:
+def state(name, hip, knee, more=""):
     """Return a <group_state> of all legs."""
     values = "".join(
         f'<joint name="{leg}_hip" value="{hip}"/><joint name="{leg}_knee" value="{knee}"/>'
@@ -51,14 +50,14 @@ def state(name: str, hip: float, knee: float, more: str = "") -> str:
     return f'<group_state name="{name}" group="all">{values}{more}</group_state>'
 
 
-def srdf(*states: str) -> str:
+def srdf(*states):
     """Return a whole SRDF."""
     head = '<?xml version="1.0"?>\n<robot name="quadruped"><group name="all"/>'
     return f"{head}{''.join(states)}</robot>"
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return a folder with the quadruped and an SRDF, made the working folder."""
     (tmp_path / "dog.urdf").write_text(quadruped(), encoding="utf-8")
     free = '<joint name="root_joint" value="0 0 1 0 0 0 1"/>'
@@ -68,12 +67,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def imported(*more: str) -> dict[str, Any]:
+def imported(*more):
     """Return the report of an import to `dog.toml`."""
     return data("import", "dog.urdf", "-o", "dog.toml", "--force", *more)
 
 
-def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder: Path) -> None:
+def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder):
     report = imported()
     assert report["posture"] == "standing of dog.srdf"
     recipe = lutgen.load_recipe("dog.toml")
@@ -96,7 +95,7 @@ def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder: Path) 
     assert report["com"] == pytest.approx([(x + 0.5 * 0.3) / total, 0.0, z / total], abs=1e-15)
 
 
-def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path) -> None:
+def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder):
     sole = '<collision><origin xyz="0 0 -0.3"/><geometry><mesh filename="f.dae"/></geometry>'
     ball = collision('sphere radius="0.02"', "0 0 -0.3")
     text = quadruped()
@@ -110,7 +109,7 @@ def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path
     good("import", "dog.urdf", "-o", "dog.toml", "--force", *points)
 
 
-def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
+def test_what_the_robot_would_lie_on_is_named(folder):
     keel = link("keel", inside=collision('box size="0.1 0.1 1.1"'))
     mount = joint("keel_mount", "fixed", "base", "keel")
     Path("dog.urdf").write_text(quadruped().replace("</robot>", f"{keel}{mount}</robot>"))
@@ -122,15 +121,13 @@ def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
     assert lies not in imported(*straight)["left_out"]
 
 
-def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_contacts(
-    folder: Path,
-) -> None:
+def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_contacts(folder):
     # On its fore legs alone, the hind ones up: no ground is level in the frame of the root.
     up = [f"-p{leg}_{part}" for leg in LEGS[2:] for part in ("hip=80", "knee=-140")]
     assert {f"{leg}_foot" for leg in LEGS} <= set(imported(*up)["contacts"])
 
 
-def test_a_name_and_values_choose_another_posture(folder: Path) -> None:
+def test_a_name_and_values_choose_another_posture(folder):
     good("import", "dog.urdf", "-o", "sit.toml", "--posture", "sit")
     assert lutgen.load_recipe("sit.toml").home["lf_hip"] == pytest.approx(1.2, abs=1e-13)
     said = good("import", "dog.urdf", "-o", "own.toml", "-p", "lf_hip=10", "-p", "rf_hip=-5")
@@ -140,9 +137,7 @@ def test_a_name_and_values_choose_another_posture(folder: Path) -> None:
     assert found == pytest.approx([10.0, -5.0, math.degrees(0.6)])
 
 
-def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_said(
-    folder: Path,
-) -> None:
+def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_said(folder):
     Path("dog.srdf").write_text(srdf(state("folded", 1.0, -2.0)))
     said = good("import", "dog.urdf", "-o", "dog.toml", "--force")
     zero = "posture: joints at zero, or at their limit nearest to it"
@@ -155,7 +150,7 @@ def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_sai
     )
 
 
-def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path) -> None:
+def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder):
     Path("dog.srdf").write_text(srdf(state("stand", 0.6, -2.7)))
     beyond = "joint lf_knee: at its limit, beyond which the posture is"
     assert beyond in imported()["left_out"]
@@ -174,9 +169,7 @@ def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path
         (("-p", "lf_hip"), "is no joint and value"),
     ],
 )
-def test_postures_that_cannot_be_are_refused_in_a_sentence(
-    folder: Path, arguments: tuple[str, ...], said: str
-) -> None:
+def test_postures_that_cannot_be_are_refused_in_a_sentence(folder, arguments, said):
     result = run("import", "dog.urdf", "-o", "dog.toml", "--force", *arguments)
     assert result.exit_code == 2
     assert said in result.stderr
@@ -198,15 +191,13 @@ def test_postures_that_cannot_be_are_refused_in_a_sentence(
         ((), None),
     ],
 )
-def test_the_likeliest_name_is_chosen(
-    names: tuple[str, ...], chosen: str | None, tmp_path: Path
-) -> None:
+def test_the_likeliest_name_is_chosen(names, chosen, tmp_path):
     file = tmp_path / "a.srdf"
     file.write_text(srdf(*(state(name, 0.0, -1.0) for name in names)))
     assert load_srdf(file, parse_urdf(quadruped())).standing() == chosen
 
 
-def test_one_posture_of_several_groups_has_the_joints_of_all(tmp_path: Path) -> None:
+def test_one_posture_of_several_groups_has_the_joints_of_all(tmp_path):
     file = tmp_path / "a.srdf"
     file.write_text(
         srdf(
@@ -222,9 +213,7 @@ def test_one_posture_of_several_groups_has_the_joints_of_all(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("place", ["", "srdf", "../srdf"])
-def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name(
-    place: str, tmp_path: Path
-) -> None:
+def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name(place, tmp_path):
     file = tmp_path / "robots" / "dog_v2.urdf"
     (file.parent / place).mkdir(parents=True, exist_ok=True)
     file.parent.mkdir(exist_ok=True)
@@ -247,7 +236,7 @@ def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name
         srdf(state("a", 0, 0)).replace('value="0"', "", 1),
     ],
 )
-def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text: str, tmp_path: Path) -> None:
+def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text, tmp_path):
     file = tmp_path / "a.srdf"
     file.write_text(text, encoding="latin-1")
     with pytest.raises(RecipeError) as caught:
@@ -258,7 +247,7 @@ def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text: str, tmp_path: Path
     assert "\n" not in said
 
 
-def test_a_joint_that_follows_another_is_not_given_by_hand() -> None:
+def test_a_joint_that_follows_another_is_not_given_by_hand():
     mimic = '<axis xyz="0 0 1"/><mimic joint="a"/>'
     described = parse_urdf(
         robot(*STAR).replace(BARE, joint("b", "continuous", "base", "l_b", mimic))
@@ -278,7 +267,7 @@ STAR = (
 )
 
 
-def test_groups_have_the_joints_of_chains_links_joints_and_other_groups() -> None:
+def test_groups_have_the_joints_of_chains_links_joints_and_other_groups():
     described = load_urdf(VECTORS / "quadruped.urdf")
     found = load_srdf(VECTORS / "quadruped.srdf", described).groups
     assert found["FL_leg"] == ("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint")
@@ -289,7 +278,7 @@ def test_groups_have_the_joints_of_chains_links_joints_and_other_groups() -> Non
     assert [name[:2] for name in found["knees"]] == ["FL", "FR", "RL", "RR"]
 
 
-def test_groups_in_a_circle_unknown_parts_and_broken_chains_add_nothing() -> None:
+def test_groups_in_a_circle_unknown_parts_and_broken_chains_add_nothing():
     root = fromstring(
         '<robot><group name="x"><group name="y"/><link name="l_a"/><group name="none"/></group>'
         '<group name="y"><group name="x"/><joint name="b"/><joint name="none"/>'

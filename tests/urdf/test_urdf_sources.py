@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from pathlib import Path
 
 import pytest
 
@@ -31,14 +30,14 @@ EXPECTED = {
 
 
 @pytest.fixture(autouse=True)
-def no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_ros(monkeypatch):
     """Take the variables of an installed ROS away."""
     for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_ROOT"):
         monkeypatch.delenv(name, raising=False)
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_files_are_imported_with_their_packages_given(name: str, tmp_path: Path) -> None:
+def test_files_are_imported_with_their_packages_given(name, tmp_path):
     file, recipe = ROBOTS / f"{name}.xacro", tmp_path / "robot.toml"
     report = json.loads(good("import", "-x", file, "-o", recipe, *GIVEN, "--json"))
     mass, joints = EXPECTED[name]
@@ -49,8 +48,8 @@ def test_files_are_imported_with_their_packages_given(name: str, tmp_path: Path)
 
 
 def test_without_them_the_environment_or_the_folders_above_are_enough_or_a_sentence_names_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     file = ROBOTS / "everything.xacro"
     result = run("import", "-x", file, "-o", tmp_path / "robot.toml")
     assert result.exit_code == 2
@@ -71,10 +70,10 @@ def test_without_them_the_environment_or_the_folders_above_are_enough_or_a_sente
         assert sum(link.mass for link in robot.links) == pytest.approx(17.8, rel=1e-12)
 
 
-def test_arguments_choose_what_conditionals_leave(tmp_path: Path) -> None:
+def test_arguments_choose_what_conditionals_leave(tmp_path):
     packages = {name: SHARE / name for name in NAMES}
 
-    def links(name: str, **arguments: str) -> set[str]:
+    def links(name, **arguments):
         found = load_xacro(ROBOTS / f"{name}.xacro", packages, arguments)
         return {link.name for link in found.links}
 
@@ -88,9 +87,7 @@ def test_arguments_choose_what_conditionals_leave(tmp_path: Path) -> None:
     assert "front_foot" in said
 
 
-def test_what_is_given_comes_before_what_is_found(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_given_comes_before_what_is_found(tmp_path, monkeypatch):
     for place in ("given", "ros/a", "ament/share/a", "a"):
         (tmp_path / place).mkdir(parents=True)
         (tmp_path / place / "package.xml").write_text("<package><name>a</name></package>")
@@ -106,7 +103,7 @@ def test_what_is_given_comes_before_what_is_found(
     assert Sources(start).package("a") == tmp_path / "a"
 
 
-def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_path: Path) -> None:
+def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_path):
     (tmp_path / "checkout-of-a" / "urdf").mkdir(parents=True)
     xml = tmp_path / "checkout-of-a" / "package.xml"
     xml.write_text("<package><name> a </name></package>")
@@ -120,9 +117,7 @@ def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_pat
         assert Sources(xml.parent / "urdf").package(name) is None
 
 
-def test_what_a_file_includes_is_found_beside_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_file_includes_is_found_beside_it(tmp_path, monkeypatch):
     inner = "<link name='a'><inertial><mass value='2'/></inertial></link>"
     (tmp_path / "sub").mkdir()
     for name, inside in (("top", "<xacro:include filename='in.xacro'/>"), ("in", inner)):
@@ -133,9 +128,7 @@ def test_what_a_file_includes_is_found_beside_it(
 
 
 @pytest.mark.parametrize("prefix", ["xacro", "x"])
-def test_macros_that_were_not_expanded_are_named_under_any_prefix(
-    prefix: str, tmp_path: Path
-) -> None:
+def test_macros_that_were_not_expanded_are_named_under_any_prefix(prefix, tmp_path):
     file = tmp_path / "robot.urdf"
     macro = f"<{prefix}:if value='1'><link name='b'/></{prefix}:if>"
     uri = "http://www.ros.org/wiki/xacro"
@@ -147,7 +140,7 @@ def test_macros_that_were_not_expanded_are_named_under_any_prefix(
         load_xacro(file)
 
 
-def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path: Path) -> None:
+def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
     file = tmp_path / "robot.xacro"
     for inside, said in {
         "<xacro:include filename='none.xacro'/>": "none.xacro",
@@ -174,15 +167,13 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path: Path) -> None:
         (("--arg", "a"), "write NAME=VALUE"),
     ],
 )
-def test_options_that_say_nothing_are_refused(
-    arguments: tuple[str, ...], said: str, tmp_path: Path
-) -> None:
+def test_options_that_say_nothing_are_refused(arguments, said, tmp_path):
     out = tmp_path / "robot.toml"
     result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
     assert (result.exit_code, said in result.stderr) == (2, True)
 
 
-def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> None:
+def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path):
     file = tmp_path / "robot.urdf"
     file.write_text(
         '<robot name="a"><link name="base"><inertial><mass value="1"/></inertial><collision>'
