@@ -168,7 +168,7 @@ def _loss(model: Model, policy: Policy, postures: Floats, wishes: Wishes, scale:
 
 
 def _refuse(model: Model, wishes: Wishes) -> None:
-    """Refuse what means nothing; the command line has refused unknown names."""
+    """Refuse what means nothing; the command line knows names and ranges."""
     source, names = model.recipe.source, [p.name for p in model.recipe.parameters]
     if not names:
         raise InputError(f"{source}: the robot has no joint to control (got no parameter).")
@@ -189,13 +189,3 @@ def _refuse(model: Model, wishes: Wishes) -> None:
                 raise InputError(f"{source}: --home: {name} is off its axis (got {value:g}).")
             if what != "home" and not 0.0 < value < math.inf:
                 raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
-    slope = math.degrees(wishes.slope)
-    faults = {
-        f"slope: above 0 and below 89 deg (got {slope:g})": 0.0 < slope < 89.0,
-    }
-    for what in ("cycle", "latency", "margin"):
-        value = getattr(wishes, what)
-        faults[f"{what}: above 0 (got {value:g})"] = 0.0 < value < math.inf
-    for fault, good in faults.items():
-        if not good:
-            raise InputError(f"--{fault}.")

@@ -40,11 +40,9 @@ class Ride:
 def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     """Return the ride along a path: with a cycle at each point, or at a speed (length per s).
 
-    A speed that is not above 0 or gives too many cycles, or fewer than two, is refused.
+    A speed that gives too many cycles, or fewer than two, is refused.
     """
     if speed is not None:
-        if not 0.0 < speed < math.inf:
-            raise InputError(f"--speed: above 0 and finite (got {speed:g}); give another one.")
         length = float(path.distance[-1])
         if speed * cycle > 0.5 * length:
             raise InputError(

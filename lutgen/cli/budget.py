@@ -46,7 +46,7 @@ class Options(RecipeOptions):
         default=0.0,
         help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
-    turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
+    turn: float = given.positive(default=2.0, help="Radius of the turn whose speed is told, m.")
     headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
     bump: float = option(
         type=given.Number(float, 0.0),
@@ -76,8 +76,6 @@ def budget(source: str, options: Options) -> None:
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0
     $ lutgen budget firmware --over front=0:90 -o budget.csv
     """
-    if not 0.0 < options.turn < math.inf:
-        raise InputError(f"--turn: a radius above 0 m (got {options.turn:g}).")
     robot, limit = opened(source, options)
     kind = "compiled" if Path(source).is_dir() else "exact"
     rows = budget_rows(robot, limit, postures(robot, options), options, kind == "exact")

@@ -36,8 +36,8 @@ class Options(RunOptions):
     turn: float = option(
         default=0.0, help="Turn the robot by this angle against the path's heading, deg."
     )
-    speed: float | None = option(
-        type=float, help="Along the path, length per second.  [default: a cycle at each point]"
+    speed: float | None = given.positive(
+        help="Along the path, length per second.  [default: a cycle at each point]"
     )
     latency: float | None = option(
         type=given.Number(float, 0.0),
@@ -54,7 +54,7 @@ class Options(RunOptions):
     seed: int = option(default=0, help="Of the noise.")
     no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
     objective: str | None = option(help="Of the policy that is made for a recipe.")
-    cycle: float | None = option(type=float, help="Of that policy, s.  [default: 1]")
+    cycle: float | None = given.positive(help="Of that policy, s.  [default: 1]")
 
 
 @command("source", Options)
@@ -116,12 +116,11 @@ def steering_for(source: str, options: Options) -> "onboard.Steering":
     robot = open_recipe(source, options.allow_python)
     cycle = CYCLE if options.cycle is None else options.cycle
     # Every parameter goes all the way in a cycle, unless its rate is given.
-    at_once = cycle if cycle > 0.0 else 1.0
     wishes = onboard.Wishes(
         objective=options.objective or "tip_angle",
         within=WITHIN,
         rate=stored_values(robot, options.rate, "--rate")
-        or {p.name: (p.maximum - p.minimum) / at_once for p in robot.parameters},
+        or {p.name: (p.maximum - p.minimum) / cycle for p in robot.parameters},
         cycle=cycle,
         latency=max(options.latency or 0.0, 1e-6),
         swerve=ANYHOW,

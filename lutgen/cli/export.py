@@ -64,7 +64,11 @@ class PolicyOptions(FolderOptions):
     nodes: int = option(
         type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
     )
-    slope: float = option(default=45.0, help="Steepest slope of the table, deg.")
+    slope: float = option(
+        type=given.Number(float, 0.0, 89.0, open=True),
+        default=45.0,
+        help="Steepest slope of the table, deg.",
+    )
     home: tuple[tuple[str, float], ...] = given.values(
         help="Posture where nothing else matters; repeat for each."
     )
@@ -74,9 +78,9 @@ class PolicyOptions(FolderOptions):
     delta: tuple[tuple[str, float], ...] = given.values(
         help="How far from what the driver asks for; repeat."
     )
-    cycle: float = option(default=0.02, help="Of a cycle, s.")
-    latency: float = option(default=0.06, help="From sample to motion, s.")
-    margin: float = option(default=3.0, help="Tip angle that every way is to keep, deg.")
+    cycle: float = given.positive(default=0.02, help="Of a cycle, s.")
+    latency: float = given.positive(default=0.06, help="From sample to motion, s.")
+    margin: float = given.positive(default=3.0, help="Tip angle that every way is to keep, deg.")
     convention: str = given.convention(
         "plane", "body", "Whether the robot leans as its shape makes it, or keeps its attitude."
     )

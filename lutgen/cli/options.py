@@ -37,10 +37,15 @@ def finite_numbers(value: object, separator: str = ",") -> tuple[float, ...]:
 
 
 class Number(click.ParamType):  # type: ignore[type-arg]
-    """A number in plain digits, of a kind and between limits that commands can compute with."""
+    """A number in plain digits, of a kind and between limits that commands can compute with.
 
-    def __init__(self, kind: type, low: float = -LARGEST, high: float = LARGEST) -> None:
-        self.kind, self.low, self.high = kind, low, high
+    `low` itself is no such number if the limit is `open`.
+    """
+
+    def __init__(
+        self, kind: type, low: float = -LARGEST, high: float = LARGEST, open: bool = False
+    ) -> None:
+        self.kind, self.low, self.high, self.open = kind, low, high, open
         self.name = "integer" if kind is int else "float"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -49,10 +54,11 @@ class Number(click.ParamType):  # type: ignore[type-arg]
         if len(numbers) != 1 or self.kind(numbers[0]) != numbers[0]:
             kind = "whole number" if self.kind is int else "number"
             self.fail(f"{value!r} is no {kind} of plain digits up to 1e12", param, ctx)
-        if not self.low <= numbers[0] <= self.high:
+        if not self.low <= numbers[0] <= self.high or (self.open and numbers[0] == self.low):
+            least = "above" if self.open else "at least"
             limits = " and ".join(
                 f"{words} {end:,.0f}"
-                for words, end in (("at least", self.low), ("at most", self.high))
+                for words, end in ((least, self.low), ("at most", self.high))
                 if abs(end) < LARGEST
             )
             self.fail(f"{value} is not in the range: {limits}", param, ctx)
@@ -156,6 +162,7 @@ gravity = functools.partial(
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
 repeated = functools.partial(option, multiple=True)
+positive = functools.partial(option, type=Number(float, 0.0, open=True))
 parameters = functools.partial(
     repeated,
     "-p",

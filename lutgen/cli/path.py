@@ -58,7 +58,7 @@ class Options(RunOptions):
         "--rate",
         help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
-    speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
+    speed: float | None = given.positive(help="Along the path, length per second; with --rate.")
     headings: int | None = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
         help="Let the robot turn, too, to this many headings.",

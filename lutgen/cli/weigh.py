@@ -31,7 +31,7 @@ class Options(RecipeOptions):
     accuracy: float | None = option(
         type=float, help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
     )
-    angle_accuracy: float = option(default=1.0, help="Standard deviation of --tilt, deg.")
+    angle_accuracy: float = given.positive(default=1.0, help="Standard deviation of --tilt, deg.")
     output: str | None = given.output(help="Write the recipe with the correction (.toml).")
     force: bool = given.force()
 
@@ -100,8 +100,6 @@ def tilt_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Ti
     """Return the tilts of the file of tilts."""
     if options.tilt is None:
         return []
-    if not options.angle_accuracy > 0.0:
-        raise InputError(f"--angle-accuracy: must be above 0 deg (got {options.angle_accuracy:g}).")
     known = (*GROUND, *(p.name for p in robot.parameters))
     rows, _ = searches.read_rows(
         options.tilt,

@@ -89,11 +89,8 @@ def _sliding(recipe: Recipe, found: PostureLimits) -> dict[str, Line]:
         return {}
     posture, around = Posture(recipe, found.params), AROUND[::10]
     slides = np.degrees(slide_limits(posture, np.radians(around), found.convention))
-    least = float(np.nanmin(slides)) if np.isfinite(slides).any() else math.inf
-    tips = np.degrees(tilt_limits(recipe, found.params, np.radians(around), found.convention))
-    first = slides < tips
-    slides = np.where(first, slides, np.nan)
-    return {f"slides at {angle(least)}": (around, slides)} if first.any() else {}
+    known = slides[np.isfinite(slides)]
+    return {f"slides at {angle(known.min())}": (around, slides)} if known.size else {}
 
 
 def _rolling(posture: Posture) -> dict[str, Line]:

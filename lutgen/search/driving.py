@@ -180,8 +180,6 @@ def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | Non
             f"limited rates need a speed, and a speed needs rates (got rates {dict(rates or {})}, "
             f"speed {speed}); give both or none"
         )
-    if not 0.0 < speed < math.inf:
-        raise InputError(f"the speed must be above 0 and finite (got {speed:g}); give another one")
     names = [p.name for p in recipe.parameters]
     for name, rate in rates.items():
         if name not in names:

@@ -165,7 +165,7 @@ REFUSED = """
 2 | budget two.toml --over beta=0:1 | there is no parameter 'beta' (got --over beta=0:1)
 2 | budget two.toml --steps 1 | 1 is not in the range: at least 2 and at most 200
 2 | budget two.toml --reads 0 | 0 is not in the range: at least 1 and at most 32
-2 | budget two.toml --turn -1 | --turn
+2 | budget two.toml --turn 0 | --turn': 0 is not in the range: above 0
 2 | budget two.toml --bump -1 | -1 is not in the range: at least 0
 2 | budget two.toml --headings 5 | the number of headings must be a multiple of 4 (got 5)
 2 | control folder.toml | no folder of `lutgen export`
