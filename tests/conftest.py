@@ -1,5 +1,6 @@
 """Fixtures that several test files share, and what happens to tests that cannot run here."""
 
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import numba
@@ -8,6 +9,7 @@ from hypothesis import settings
 
 import lutgen
 from lutgen.mapping import plan, sweeper
+from lutgen.recipe import Recipe
 from tests.fixtures.needs import ABSENT, lacking
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
@@ -18,13 +20,13 @@ settings.register_profile("lutgen", deadline=None, derandomize=True, max_example
 settings.load_profile("lutgen")
 
 
-def pytest_configure(config):
+def pytest_configure(config: pytest.Config) -> None:
     """Let each of several workers compute by one thread: more than cores wait for each other."""
     if hasattr(config, "workerinput"):
         numba.set_num_threads(1)
 
 
-def pytest_addoption(parser):
+def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the two options by which continuous integration runs every test exactly once."""
     group = parser.getgroup("tests that are skipped")
     group.addoption(
@@ -36,7 +38,7 @@ def pytest_addoption(parser):
     group.addoption("--nothing-skipped", action="store_true", help="a test that is skipped fails")
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Skip the tests that need what is not here, and say what that is."""
     for item in items:
         names = [name for mark in item.iter_markers("needs") for name in mark.args]
@@ -46,7 +48,9 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item):
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Turn a skip into a failure where nothing may be skipped."""
     report = yield
     if report.skipped and item.config.getoption("nothing_skipped"):
@@ -55,7 +59,9 @@ def pytest_runtest_makereport(item):
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(collector):
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
     """Turn the skip of a whole file into an error where nothing may be skipped."""
     report = yield
     if report.skipped and collector.config.getoption("nothing_skipped"):
@@ -63,7 +69,9 @@ def pytest_make_collect_report(collector):
     return report
 
 
-def pytest_terminal_summary(terminalreporter, config):
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
     """Write down what was skipped, without what cannot be installed."""
     place = config.getoption("skipped_to")
     if place is None:
@@ -79,7 +87,7 @@ def pytest_terminal_summary(terminalreporter, config):
 
 
 @pytest.fixture
-def tripod_path(tmp_path):
+def tripod_path(tmp_path: Path) -> Path:
     """Return the path of a recipe of 4 x 3 postures, in a length and an angle."""
     path = tmp_path / "tripod.toml"
     path.write_text(tripod())
@@ -87,13 +95,13 @@ def tripod_path(tmp_path):
 
 
 @pytest.fixture(scope="session")
-def two():
+def two() -> Recipe:
     """Return the paper's robot with two moving wheels."""
     return lutgen.load_recipe(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="session")
-def swept(tmp_path_factory):
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with three maps that no test changes."""
     folder = tmp_path_factory.mktemp("maps")
     for name, text in {
@@ -106,10 +114,10 @@ def swept(tmp_path_factory):
 
 
 @pytest.fixture
-def cut(monkeypatch):
+def cut(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
     """Return a function that sets how many nodes a block of a sweep may hold."""
 
-    def set_size(nodes):
+    def set_size(nodes: int) -> None:
         monkeypatch.setattr(sweeper, "plan", lambda recipe: plan(recipe, nodes))
 
     return set_size

@@ -13,17 +13,17 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def norm(v):
+def norm(v: Floats) -> Floats:
     """Return the length along the last axis."""
     return np.asarray(np.sqrt((v * v).sum(-1)))
 
 
-def unit(v):
+def unit(v: Floats) -> Floats:
     """Return vectors scaled to length one along the last axis."""
     return np.asarray(v / np.maximum(norm(v), 1e-300)[..., None])
 
 
-def touch(rows, n):
+def touch(rows: Floats, n: Floats) -> Floats:
     """Return the points of primitives (..., 8) that reach furthest along unit normals (..., 3)."""
     axis = rows[..., 3:6]
     return np.asarray(
@@ -31,36 +31,36 @@ def touch(rows, n):
     )
 
 
-def reach(rows, n):
+def reach(rows: Floats, n: Floats) -> Floats:
     """Return how far primitives (k, 8) reach along normals (m, 3): (m, k)."""
     return np.asarray((touch(rows, n[:, None]) * n[:, None]).sum(-1))
 
 
-def sphere(count):
+def sphere(count: int) -> Floats:
     """Return unit vectors spread evenly over the sphere."""
     k = np.arange(count) + 0.5
     z, turn = 1.0 - 2.0 * k / count, k * math.pi * (3.0 - math.sqrt(5.0))
     return np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], -1)
 
 
-def size_of(rows):
+def size_of(rows: Floats) -> float:
     """Return the greatest distance of a far side from the com."""
     return float((norm(rows[:, :3]) + rows[:, 6]).max())
 
 
-def least_turn(a, b):
+def least_turn(a: Floats, b: Floats) -> Floats:
     """Return the least rotation (3, 3) from one unit vector to another."""
     x, y, z = np.cross(a, b)
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + k + k @ k / (1.0 + a @ b))
 
 
-def turns(a, b):
+def turns(a: Floats, b: Floats) -> Floats:
     """Return twice the area of triangles in a plane, positive if they turn left."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def polygon(points, normal, slack):
+def polygon(points: Floats, normal: Floats, slack: float) -> Ints:
     """Return the corners of points in a plane, counter-clockwise about the normal, by wrapping."""
     first = unit(np.cross(normal, np.eye(3)[np.argmin(abs(normal))]))
     flat = points @ np.stack([first, np.cross(normal, first)], -1)
@@ -80,7 +80,7 @@ def polygon(points, normal, slack):
     return np.array(keep)[chain] if wide and len(chain) > 2 else np.zeros(0, int)
 
 
-def planes_of_three(rows, size):
+def planes_of_three(rows: Floats, size: float) -> Floats:
     """Return normals of planes that touch three primitives, none below, the widest first."""
     some = np.array(list(combinations(range(len(rows)), 3)))
     even, fine = sphere(8), sphere(4000)

@@ -4,15 +4,17 @@ import math
 
 import numpy as np
 
-from tests.oracles.primitives import size_of, unit
-from tests.oracles.standing import Limits
+from tests.oracles.primitives import Floats, size_of, unit
+from tests.oracles.standing import Limits, Standing
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 FAMILIES = ("points", "mixed", "cars", "leaning")
 EXACT = ("rectangle", "rows", "polygon", "repeated", "in line", "on an edge", "all but flat")
 
 
-def rows_of(centre, axis=None, radius=0.0, kind=POINT):
+def rows_of(
+    centre: Floats, axis: Floats | None = None, radius: object = 0.0, kind: object = POINT
+) -> Floats:
     """Return primitives (n, 8)."""
     rows = np.zeros((len(centre), 8))
     rows[:, :3], rows[:, 6], rows[:, 7] = centre, radius, kind
@@ -21,13 +23,13 @@ def rows_of(centre, axis=None, radius=0.0, kind=POINT):
     return rows
 
 
-def limits_of(rows):
+def limits_of(rows: Floats) -> Limits:
     """Return the limits that a recipe has if it says nothing."""
     size = size_of(rows)
     return Limits(math.radians(80.0), math.radians(30.0), 0.01 * size, 1e-4 * size)
 
 
-def drawn(family, rng):
+def drawn(family: str, rng: np.random.Generator) -> Floats:
     """Return a posture of 3 to 12 primitives."""
     n = int(rng.integers(3, 13))
     centre = rng.uniform([-1.0, -0.7, -0.6], [1.0, 0.7, -0.3], (n, 3))
@@ -43,7 +45,7 @@ def drawn(family, rng):
     return rows_of(centre, lean, np.where(kind == POINT, 0.0, radius), kind)
 
 
-def exact(family, rng):
+def exact(family: str, rng: np.random.Generator) -> Floats:
     """Return a posture with contacts in one plane or line, or at one place, in any order."""
     n, half = int(rng.integers(4, 9)), np.round(rng.uniform(0.1, 0.6, 2), 2)
     square = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
@@ -71,14 +73,14 @@ def exact(family, rng):
     return np.asarray(rows[rng.permutation(len(rows))])
 
 
-def below(rng, count):
+def below(rng: np.random.Generator, count: int) -> Floats:
     """Return unit directions below the horizon."""
     g = rng.normal(size=(count, 3))
     g[:, 2] = -np.abs(g[:, 2]) - 0.3
     return unit(g)
 
 
-def asked(standing, count, rng):
+def asked(standing: Standing, count: int, rng: np.random.Generator) -> Floats:
     """Return unit directions: anywhere below, on edges and in gaps, and beside the boundary."""
     tilt, way = (
         np.arccos(rng.uniform(math.cos(math.radians(75.0)), 1.0, count)),
