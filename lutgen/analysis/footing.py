@@ -8,7 +8,7 @@ import numpy as np
 from lutgen.analysis.uneven import Footing
 from lutgen.recipe import read_tables, read_text
 from lutgen.recipe.load import NOTHING, Fault, refuse
-from lutgen.recipe.robot import unit
+from lutgen.recipe.model import unit
 from lutgen.recipe.schema import Direction, LengthUnit, NotNegative, Place, Table, Text, key
 
 DOWN = [0.0, 0.0, -1.0]

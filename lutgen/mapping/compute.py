@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lutgen.channels import Scanner
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError
-from lutgen.mapping.seal import Block, Plan, plan
+from lutgen.mapping.head import Block, Plan, plan
 from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
 

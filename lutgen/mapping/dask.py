@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from lutgen._version import __version__
 from lutgen.errors import InputError, LutgenError, SweepError
 from lutgen.mapping.compute import Computer
+from lutgen.mapping.head import Plan
 from lutgen.mapping.part import PartFile
-from lutgen.mapping.seal import Plan
 from lutgen.recipe import Recipe, parse_recipe
 
 # Blocks that are out at a time for each worker: one to compute, one to go on with.

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError, reject
-from lutgen.mapping.head import lay_out
-from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, Plan, sealed
+from lutgen.mapping.head import BLANK, DIGEST, SIGNATURE, Plan, lay_out, sealed
 from lutgen.recipe import Recipe
 
 try:

@@ -16,9 +16,9 @@ from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError, optional, reject
 from lutgen.files import check_kind, check_target
 from lutgen.mapping.compute import Computer, require_standing
+from lutgen.mapping.head import Plan, plan
 from lutgen.mapping.opening import load_map
 from lutgen.mapping.part import PartFile
-from lutgen.mapping.seal import Plan, plan
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.recipe import Recipe
 

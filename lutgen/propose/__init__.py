@@ -1,7 +1,6 @@
 """A robot description becomes the text of a recipe.
 
-In reading order: `contacts`, `opened`, `effects`, `symmetry`, `couplings`, `doubts`, `text`,
-`proposal`.
+In reading order: `contacts`, `opened`, `symmetry`, `couplings`, `doubts`, `text`, `proposal`.
 """
 
 from lutgen.propose.couplings import Coupling

@@ -7,8 +7,7 @@ from fnmatch import fnmatchcase
 
 from lutgen.errors import InputError, reject, suggestion
 from lutgen.parts import Contact
-from lutgen.propose.contacts import robot_size
-from lutgen.propose.effects import effects
+from lutgen.propose.contacts import effects, robot_size
 from lutgen.propose.symmetry import Limbs, common_name
 from lutgen.recipe.rules import RESERVED
 from lutgen.recipe.schema import IDENTIFIER

@@ -12,7 +12,7 @@ import numpy as np
 from lutgen.parts import Axle, Contact
 from lutgen.propose.contacts import hanging, placed
 from lutgen.recipe import Recipe
-from lutgen.recipe.robot import unit
+from lutgen.recipe.model import unit
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import TURN, read_motion
 from lutgen.urdf.links import Place, places

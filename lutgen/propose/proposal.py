@@ -7,6 +7,7 @@ from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose.contacts import (
     closed_shapes,
+    inner_contacts,
     listed,
     lower_links,
     named_contacts,
@@ -15,7 +16,6 @@ from lutgen.propose.contacts import (
 )
 from lutgen.propose.couplings import Coupling, chosen_motion
 from lutgen.propose.doubts import doubts, held, swinging_axles
-from lutgen.propose.effects import inner_contacts
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import (
     axle_note,

@@ -1,7 +1,7 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `schema`, `load`, `robot`, `rules`, `model`, `described`,
-`gallery`, `kinematics`, `snap`, `recipe`, `merge`.
+In reading order: `schema`, `load`, `model`, `rules`, `described`, `gallery`,
+`kinematics`, `snap`, `recipe`, `merge`.
 """
 
 from lutgen.recipe.described import body_parts

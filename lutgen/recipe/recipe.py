@@ -9,8 +9,9 @@ from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link
 from lutgen.recipe.described import links_and_shapes, load_function, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
-from lutgen.recipe.model import ExportDefaults, Recipe
-from lutgen.recipe.robot import (
+from lutgen.recipe.model import (
+    ExportDefaults,
+    Recipe,
     contacts_of,
     knots_of,
     links_of,

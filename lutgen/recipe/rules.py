@@ -11,7 +11,7 @@ from lutgen.errors import suggestion
 from lutgen.parts import Contact, parents_first, way_up
 from lutgen.quantities import CHANNELS, UNLOADED
 from lutgen.recipe.load import NOTHING, Fault, example
-from lutgen.recipe.robot import knots_of, unit
+from lutgen.recipe.model import knots_of, unit
 from lutgen.recipe.schema import (
     ANGLE_UNITS,
     MAX_CONTACTS,
@@ -282,8 +282,9 @@ def part_faults(
             key = f"robot.{kind}[{place}]"
             for name, there in known.items():
                 some = getattr(part, name, [])
-                for each in [some] if isinstance(some, str) else some:
-                    yield from known_name(f"{key}.{name}", each, there, name.removesuffix("s"))
+                for side, each in enumerate([some] if isinstance(some, str) else some, 1):
+                    here = f"{key}.{name}" if each is some else f"{key}.{name}[{side}]"
+                    yield from known_name(here, each, there, name.removesuffix("s"))
             for name in ("mass", "force"):
                 if hasattr(part, name) and not massive:
                     yield Fault(f"{key}.{name}", weightless[0], getattr(part, name), weightless[1])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lutgen.grid import Grid
-from lutgen.mapping.seal import BLOCK_NODES, BLOCK_POSTURES, Plan, plan
+from lutgen.mapping.head import BLOCK_NODES, BLOCK_POSTURES, Plan, plan
 from lutgen.recipe import Recipe
 
 

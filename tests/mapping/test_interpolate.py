@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
-from lutgen.mapping.interpolate import interpolate, locate
+from lutgen.mapping.stability_map import interpolate, locate
 
 
 def random_axes(rng, dimensions):

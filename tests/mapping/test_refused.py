@@ -16,7 +16,7 @@ import xarray
 import lutgen
 from lutgen.errors import MapFileError
 from lutgen.mapping import verify
-from lutgen.mapping.seal import BLANK, sealed
+from lutgen.mapping.head import BLANK, sealed
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 

@@ -17,7 +17,7 @@ import lutgen
 from lutgen.errors import InputError, MapFileError, RecipeError
 from lutgen.mapping import StabilityMap, expected_seconds, sweeper, verify
 from lutgen.mapping.compute import Computer
-from lutgen.mapping.seal import Block, plan
+from lutgen.mapping.head import Block, plan
 from lutgen.recipe import Recipe
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rover, sweep_part, tripod
 

@@ -9,8 +9,7 @@ import pytest
 import lutgen
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.propose.contacts import named_contacts, proposed_contacts
-from lutgen.propose.effects import effects, inner_contacts
+from lutgen.propose.contacts import effects, inner_contacts, named_contacts, proposed_contacts
 from lutgen.recipe import Recipe
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import read_motion

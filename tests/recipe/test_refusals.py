@@ -90,7 +90,7 @@ FAULTS = [
     ("{ lift = 3 }", "{}", "sweep.samples.lift`: is missing (got nothing); give a number of"),
     ("{ lift = 3 }", "{ lift = 3.0 }", "sweep.samples.lift`: must be a whole number (got 3.0);"),
     ('contacts = ["a", "b"]', "contacts = []", "robot.group[1].contacts`: needs 1 or more entries"),
-    ('contacts = ["a", "b"]', 'contacts = ["d"]', "robot.group[1].contacts`: is not a contact of"),
+    ('contacts = ["a", "b"]', 'contacts = ["d"]', "robot.group[1].contacts[1]`: is not a contact"),
     ("{ lift = 3 }", "{ lift = [1, 2, 2] }", "sweep.samples.lift[3]`: does not increase (got 2.0)"),
     ("{ lift = 3 }", "{ lift = [0, 51] }", "sweep.samples.lift[2]`: lies outside the parameter's"),
     ('chart = "cone"', 'chart = "conic"', "sweep.gravity.chart`: is unknown (got 'conic'); did"),
