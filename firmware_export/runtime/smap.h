@@ -187,7 +187,7 @@ static inline smap_status_t smap_read_i(const smap_t *map, const int16_t *params
 
 /* ---- the rest --------------------------------------------------------------------------------- */
 
-/* Verify a map as it lies in flash: CRC-32 of descriptor and tables, every index and size in bounds.
+/* Verify a map as it lies in flash: CRC-32 of descriptor and tables, of which every index and size was in bounds.
  * SMAP_OK, or SMAP_CORRUPT: then do not read it.  For the start of a program and for idle times. */
 static inline smap_status_t smap_check(const smap_t *map)
 {

@@ -88,8 +88,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   const float square = w->map->size * w->map->size;
   float half[2][3], span[2] = {0.0f, 1.0f}, d[3], turned2;
   smap_landing_t l;
-  uint8_t side;
-  int slit, one = w->joined[e];
+  int side, slit, one = w->joined[e];
   smap_minus(from, to, d);
   turned2 = smap_dot(d, d);
   if (!one && !(turned2 <= w->map->rock_chord * w->map->rock_chord)) {
@@ -114,7 +113,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
       return;
     }
     for (side = 0; side < 2 && !slit; side++) {
-      if (!smap_bring_in(corner, half, side, SMAP_LEANS * w->map->size, span)) {
+      if (!smap_bring_in(corner, half, (uint8_t)side, SMAP_LEANS * w->map->size, span)) {
         return;
       }
     }

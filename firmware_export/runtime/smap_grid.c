@@ -7,6 +7,7 @@
  * it is in the mirror image u8, whether that is turned over u8 (1; 2: and it comes round).  Per axis (parameters, v, u) nodes u8, knots u8,
  * one more where it comes round; the knots u16, places 0 to 65535; per table a code u8 for each node of each
  * block, u fastest.  Code 100 is a tip angle of 0, a step 1/300 of a sine; of lengths code 0 is 0. */
+#define SMAP_CODEC SMAP_CODEC_GRID
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
 #include "smap_query.h"
@@ -196,7 +197,7 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
 }
 
 /* Axes whose knots ascend, blocks and mirror images that exist, tables that end where the map ends. */
-static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
+static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
   const smap_bytes_t blob = SMAP_BLOB(map), body = smap_body(map);
   const uint8_t params = blob[SMAP_AT_PARAMS], faces = blob[SMAP_AT_FACES], channels = blob[SMAP_AT_CHANNELS];
@@ -237,14 +238,6 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
     knots += 2u * count;
   }
   return smap_u32(body + 20) == knots && smap_u32(body + 4) == nodes && room - knots == nodes * tables;
-}
-
-static int8_t smap_run_check(const smap_t *map)
-{
-  return smap_check_head(map, SMAP_CODEC_GRID) &&
-                 (SMAP_KNOWN || (smap_check_grid(map, SMAP_BLOB(map) + map->size)))
-             ? SMAP_OK
-             : SMAP_CORRUPT;
 }
 
 static const smap_runtime_t smap_run = {smap_no_pose, smap_run_pose_q, smap_no_at,    smap_run_at_i,

@@ -46,8 +46,6 @@ static int smap_host_again(const void *row, uint32_t bytes)
 
 /* `params`: as many numbers as the map has parameters for each query; `gravity`: three. */
 void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                          const float *gravity, int8_t *status, smap_reading_t *reading);
-void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                           const float *gravity, int8_t *status, smap_reading_t *reading)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -68,8 +66,6 @@ void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, con
 }
 
 void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, const int16_t *params,
-                            const int16_t *gravity, int8_t *status, smap_reading_i_t *reading);
-void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, const int16_t *params,
                             const int16_t *gravity, int8_t *status, smap_reading_i_t *reading)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -89,8 +85,6 @@ void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, c
 
 /* Both forms of one posture under many directions: what a program does that keeps its pose. */
 int8_t SMAP_HOST_NAME(at)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                          const float *gravity, int8_t *status, smap_reading_t *reading);
-int8_t SMAP_HOST_NAME(at)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                           const float *gravity, int8_t *status, smap_reading_t *reading)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -104,8 +98,6 @@ int8_t SMAP_HOST_NAME(at)(const uint8_t *blob, uint32_t size, int64_t count, con
 }
 
 int8_t SMAP_HOST_NAME(at_i)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                            const int16_t *gravity, int8_t *status, smap_reading_i_t *reading);
-int8_t SMAP_HOST_NAME(at_i)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                             const int16_t *gravity, int8_t *status, smap_reading_i_t *reading)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -118,7 +110,6 @@ int8_t SMAP_HOST_NAME(at_i)(const uint8_t *blob, uint32_t size, int64_t count, c
   return made;
 }
 
-int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size);
 int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -126,7 +117,6 @@ int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size)
 }
 
 /* What this was built from: the digest of the files beside it. */
-const char *SMAP_HOST_NAME(sources)(void);
 const char *SMAP_HOST_NAME(sources)(void)
 {
   return SMAP_SOURCES;
@@ -138,8 +128,6 @@ const char *SMAP_HOST_NAME(sources)(void)
 #endif
 #ifdef SMAP_NO_AXIS /* contacts follow from joints */
 /* `place`: x, y, z of every contact for each row of parameters. */
-void SMAP_HOST_NAME(positions)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                               float *place);
 void SMAP_HOST_NAME(positions)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                                float *place)
 {

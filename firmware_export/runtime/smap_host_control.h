@@ -9,7 +9,6 @@ typedef struct {
 } smap_host_control_t;
 
 /* Bytes of what `control` makes, and of a state. */
-void SMAP_HOST_NAME(control_sizes)(uint32_t sizes[2]);
 void SMAP_HOST_NAME(control_sizes)(uint32_t sizes[2])
 {
   sizes[0] = sizeof(smap_host_control_t);
@@ -17,8 +16,6 @@ void SMAP_HOST_NAME(control_sizes)(uint32_t sizes[2])
 }
 
 /* Put map and policy together, and check both. */
-int8_t SMAP_HOST_NAME(control)(void *memory, const uint8_t *blob, uint32_t size, const uint8_t *policy,
-                               uint32_t bytes);
 int8_t SMAP_HOST_NAME(control)(void *memory, const uint8_t *blob, uint32_t size, const uint8_t *policy,
                                uint32_t bytes)
 {
@@ -30,7 +27,6 @@ int8_t SMAP_HOST_NAME(control)(void *memory, const uint8_t *blob, uint32_t size,
   return (int8_t)smap_control_check(&both->control);
 }
 
-int8_t SMAP_HOST_NAME(start)(const void *memory, int64_t count, uint8_t *states);
 int8_t SMAP_HOST_NAME(start)(const void *memory, int64_t count, uint8_t *states)
 {
   const smap_host_control_t *const both = (const smap_host_control_t *)memory;
@@ -44,9 +40,6 @@ int8_t SMAP_HOST_NAME(start)(const void *memory, int64_t count, uint8_t *states)
 }
 
 /* A cycle of each robot.  `desired` may be 0; `sensors`: up, rate, own of each, nine numbers. */
-void SMAP_HOST_NAME(step)(const void *memory, int64_t count, uint8_t *states, const float *posture,
-                          const float *desired, const float *sensors, float *command, smap_cycle_t *cycle,
-                          int8_t *status);
 void SMAP_HOST_NAME(step)(const void *memory, int64_t count, uint8_t *states, const float *posture,
                           const float *desired, const float *sensors, float *command, smap_cycle_t *cycle,
                           int8_t *status)
@@ -67,8 +60,6 @@ void SMAP_HOST_NAME(step)(const void *memory, int64_t count, uint8_t *states, co
 }
 
 void SMAP_HOST_NAME(ground)(const void *memory, int64_t count, uint8_t *state, const float *posture,
-                            const float *up, float *slope, int8_t *status);
-void SMAP_HOST_NAME(ground)(const void *memory, int64_t count, uint8_t *state, const float *posture,
                             const float *up, float *slope, int8_t *status)
 {
   const smap_host_control_t *const both = (const smap_host_control_t *)memory;
@@ -79,8 +70,6 @@ void SMAP_HOST_NAME(ground)(const void *memory, int64_t count, uint8_t *state, c
   }
 }
 
-void SMAP_HOST_NAME(target)(const void *memory, int64_t count, const float *slope, const float *desired,
-                            float *target);
 void SMAP_HOST_NAME(target)(const void *memory, int64_t count, const float *slope, const float *desired,
                             float *target)
 {
@@ -93,8 +82,6 @@ void SMAP_HOST_NAME(target)(const void *memory, int64_t count, const float *slop
 }
 
 void SMAP_HOST_NAME(transit)(const void *memory, int64_t count, uint8_t *state, const float *from,
-                             const float *to, const float *gravity, float *least);
-void SMAP_HOST_NAME(transit)(const void *memory, int64_t count, uint8_t *state, const float *from,
                              const float *to, const float *gravity, float *least)
 {
   const smap_host_control_t *const both = (const smap_host_control_t *)memory;
@@ -106,9 +93,6 @@ void SMAP_HOST_NAME(transit)(const void *memory, int64_t count, uint8_t *state, 
 }
 
 /* The budget of each posture under a direction of gravity and one of acceleration. */
-void SMAP_HOST_NAME(budget)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                            const float *gravity, const float *direction, uint8_t reads, float *acceleration,
-                            int8_t *status);
 void SMAP_HOST_NAME(budget)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                             const float *gravity, const float *direction, uint8_t reads, float *acceleration,
                             int8_t *status)

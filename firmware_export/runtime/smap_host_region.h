@@ -20,7 +20,6 @@ static float *smap_host_corner(float *out, const float place[3], const float pla
 /* `count`: rests, their edges, arcs of the boundary; none where the pose fails.  `out`: a rest as n / h, centre,
  * height; an edge as its rest, both ends, from which part on it holds (above 1: nowhere), both contacts; an arc as
  * both ends and both contacts. */
-void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *params, int32_t *count, float *out);
 void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *params, int32_t *count, float *out)
 {
   const smap_t map = {&smap_run, blob, size};
@@ -59,7 +58,6 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
 }
 
 /* The most of each that the poses of postures (m, k) have, in the order of a pose's room. */
-void SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, int64_t count, const float *params, uint8_t *most);
 void SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, int64_t count, const float *params, uint8_t *most)
 {
   const smap_t map = {&smap_run, blob, size};

@@ -130,13 +130,13 @@ static uint32_t smap_crc(smap_bytes_t bytes, uint32_t count)
   return ~crc;
 }
 
-/* What all maps have, whose codec is `codec`. */
-static int smap_check_head(const smap_t *map, uint8_t codec)
+/* What all maps have. */
+static int smap_check_head(const smap_t *map)
 {
   const smap_bytes_t blob = SMAP_BLOB(map);
   return map->size >= SMAP_AT_AXES && smap_u32(blob + SMAP_AT_BYTES) == map->size &&
          smap_crc(blob + 4, map->size - 4u) == smap_u32(blob) && blob[SMAP_AT_VERSION] == SMAP_VERSION &&
-         blob[SMAP_AT_CODEC] == codec && blob[SMAP_AT_PARAMS] <= SMAP_MAX_PARAMS &&
+         blob[SMAP_AT_CODEC] == SMAP_CODEC && blob[SMAP_AT_PARAMS] <= SMAP_MAX_PARAMS &&
          SMAP_AT_AXES + (uint32_t)SMAP_AXIS_BYTES * blob[SMAP_AT_PARAMS] < map->size;
 }
 
@@ -166,4 +166,13 @@ SMAP_PLAIN int smap_check_axes(const smap_t *map)
   }
   return smap_check_singles(SMAP_BLOB(map) + SMAP_AT_LIMIT, 3) &&
          smap_is_positive(smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP));
+}
+
+/* The rest of a map, up to `limit`: each family has its own. */
+static int smap_check_own(const smap_t *map, smap_bytes_t limit);
+
+static int8_t smap_run_check(const smap_t *map)
+{
+  return smap_check_head(map) && (SMAP_KNOWN || smap_check_own(map, SMAP_BLOB(map) + map->size)) ? SMAP_OK
+                                                                                                : SMAP_CORRUPT;
 }

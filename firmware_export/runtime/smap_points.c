@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- points: robots on three contact points, which follow from the joints ----------------------------- */
+#define SMAP_CODEC SMAP_CODEC_POINTS
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
 #define SMAP_STEERED_BY "smap_control_three.c"
@@ -17,13 +18,9 @@ SMAP_INLINE int smap_three_at(const smap_t *map, const float *q, smap_three_t *o
                          smap_f32(body + SMAP_IN_STEEPEST), smap_f32(body + SMAP_IN_REST_WIDTH), out);
 }
 
-static int8_t smap_run_check(const smap_t *map)
+static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
-  return smap_check_head(map, SMAP_CODEC_POINTS) &&
-                 (SMAP_KNOWN || (smap_check_axes(map) && SMAP_BLOB(map)[SMAP_AT_CONTACTS] == 3 &&
-                                 smap_check_positions(map, SMAP_BLOB(map) + map->size)))
-             ? SMAP_OK
-             : SMAP_CORRUPT;
+  return smap_check_axes(map) && SMAP_BLOB(map)[SMAP_AT_CONTACTS] == 3 && smap_check_positions(map, limit);
 }
 
 static const smap_runtime_t smap_run = {smap_run_pose, smap_run_pose_q, smap_run_at,   smap_run_at_i,

@@ -260,13 +260,9 @@ static int smap_check_many(const smap_t *map)
          smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 32), 0.5f);
 }
 
-static int8_t smap_run_check(const smap_t *map)
+static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
-  return smap_check_head(map, SMAP_CODEC) &&
-                 (SMAP_KNOWN || (smap_check_axes(map) && smap_check_positions(map, SMAP_BLOB(map) + map->size) &&
-                                 smap_check_many(map)))
-             ? SMAP_OK
-             : SMAP_CORRUPT;
+  return smap_check_axes(map) && smap_check_positions(map, limit) && smap_check_many(map);
 }
 
 static const smap_runtime_t smap_run = {smap_run_pose, smap_run_pose_q, smap_run_at,   smap_run_at_i,

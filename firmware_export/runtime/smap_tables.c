@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- tables: robots on three contact points, which are looked up in floats -------------------------- */
+#define SMAP_CODEC SMAP_CODEC_TABLES
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
 #define SMAP_STEERED_BY "smap_control_three.c"
@@ -86,13 +87,9 @@ static int smap_check_places(const smap_t *map)
   return 1;
 }
 
-static int8_t smap_run_check(const smap_t *map)
+static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
-  return smap_check_head(map, SMAP_CODEC_TABLES) &&
-                 (SMAP_KNOWN || (smap_check_axes(map) && smap_check_tables(map, SMAP_BLOB(map) + map->size) &&
-                                 smap_check_places(map)))
-             ? SMAP_OK
-             : SMAP_CORRUPT;
+  return smap_check_axes(map) && smap_check_tables(map, limit) && smap_check_places(map);
 }
 
 static const smap_runtime_t smap_run = {smap_run_pose, smap_run_pose_q, smap_run_at,   smap_run_at_i,

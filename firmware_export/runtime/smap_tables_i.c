@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- tables_i: the same without floats ----------------------------------------------------------------- */
+#define SMAP_CODEC SMAP_CODEC_TABLES
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
 #include "smap_query.h"
@@ -168,12 +169,9 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
   return smap_three_read_i(map, smap_three_order(map), &made, g, length, out);
 }
 
-static int8_t smap_run_check(const smap_t *map)
+static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
-  return smap_check_head(map, SMAP_CODEC_TABLES) &&
-                 (SMAP_KNOWN || (smap_check_tables(map, SMAP_BLOB(map) + map->size)))
-             ? SMAP_OK
-             : SMAP_CORRUPT;
+  return smap_check_tables(map, limit);
 }
 
 static const smap_runtime_t smap_run = {smap_no_pose, smap_run_pose_q, smap_no_at,    smap_run_at_i,
