@@ -9,7 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 # To come: product 30,000, tests 15,000, lab 8,500, docs 4,500, and no file above LONGEST.
-CEILINGS = {"product": 42_900, "tests": 25_000, "lab": 8_500, "docs": 4_830}
+CEILINGS = {"product": 41_600, "tests": 24_100, "lab": 8_500, "docs": 4_830}
 LONGEST = 330
 ROOMS = {"lutgen": "product", "firmware_export": "product", "tests": "tests"}
 ROOMS |= dict.fromkeys(("targets", "proofs", "benchmarks", "tools"), "lab")
