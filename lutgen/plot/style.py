@@ -183,15 +183,14 @@ def save(
     """
     suffix, picture = known_suffix(path, "picture", METADATA), io.BytesIO()
     dpi = round(SLIDE * dpi) if sheet().style == "slides" else dpi
-    look: Any = {"pil_kwargs": {"optimize": True}} if suffix == ".png" else {}
     with house_style(), said_once():
-        figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix], **look)
+        figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
     if suffix == ".png" and picture.tell() > LARGEST:
         whole, picture, mark = Image.open(picture).convert("RGB"), io.BytesIO(), PngInfo()
         few = whole.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
         # White stays white.
         few.putpalette([255 if part == 254 else part for part in few.getpalette() or []])
         mark.add_text("Software", "lutgen")
-        few.save(picture, "PNG", optimize=True, pnginfo=mark)
+        few.save(picture, "PNG", pnginfo=mark)
     failed = "the picture cannot be written"
     write_bytes(Path(path), picture.getvalue(), failed=failed, force=force)
