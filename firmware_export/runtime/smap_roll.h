@@ -116,14 +116,17 @@ static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const fl
   return to;
 }
 
-/* Whether nothing is ahead of a plane with normal n on i and j that it may touch before it faces up, in its turn by a
- * right angle and a little more.  A round contact goes on as those do on which it rolls, but for its own radius and
- * what is between theirs. */
+/* Whether nothing is ahead of a plane with normal n on i and j that it may touch before it faces up; 0 where a turn by a
+ * right angle and a little more does not do that.  A round contact goes on as those do on which it rolls, but for its own
+ * radius and what is between theirs. */
 static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3])
 {
   const float *const r = s->w->r;
   const float least = r[i] < r[j] ? r[i] : r[j];
   uint8_t l;
+  if (0.95f * t[2] - 0.3f * n[2] < 0.0f) {
+    return 0;
+  }
   for (l = 0; l < SMAP_CONTACTS(s->w); l++) {
     const float reach = r[l] + (r[l] > least ? 3.0f * (r[l] - least) : 0.0f);
     float b[3];

@@ -124,6 +124,20 @@ def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definiti
     assert short.max() < (0.5 if name == "quadruped" else 0.05)
 
 
+def test_a_steep_first_facet_leads_to_those_on_the_far_side_of_the_robot():
+    # The plane turns by more than a right angle from there before it faces up.
+    steep = [
+        [-28.5, 79.9, -123.3, 4.9, -13.8, -41.9, -29.0, 48.8, -55.6, -12.2, -19.2, -136.3],
+        [-29.8, 38.7, -139.0, 30.0, 47.4, -53.8, -19.4, 21.5, -139.5, -10.1, 45.3, -68.8],
+        [-11.6, 11.1, -129.0, 10.0, 40.1, -43.7, -26.2, -13.8, -128.5, -10.1, -6.5, -59.5],
+    ]
+    params = np.radians(steep).astype(np.float32)
+    g = random_directions(np.random.default_rng(6), 3 * 2000).reshape(3, 2000, 3)
+    found = compared(Library(recipe_of("quadruped")), params, g.astype(np.float32))
+    assert (found.stands.sum(axis=1) > 200).all()
+    assert (found.stands & ~found.safe).sum() <= 0.002 * found.stands.sum()
+
+
 @pytest.mark.parametrize("whole", [False, True])
 def test_how_far_a_robot_has_tipped_is_never_less_than_the_truth(robot, whole):
     rng = np.random.default_rng(8)
