@@ -54,7 +54,7 @@ def find_break(low: float, high: float, line: Line) -> float:
     `line` gives coordinates at places of the lines between both ends.
     """
     begin, width, change = _zoom(low, high - low, line, 2, ZOOMS)
-    # Of second differences a kink has as much more as a stretch is longer.
+    # The second difference at a kink grows with the stretch, elsewhere with its square.
     bend, first = change[-1] * (0.5 * (PLACES - 1)) ** (ZOOMS - 1), change[0]
     kinked = (bend > KEPT * first) & (bend > KEPT * bend.max())
     place = begin + 0.5 * width

@@ -63,7 +63,7 @@ def pieces_of(model: Model, order: tuple[int, ...], error: float, common: bool) 
     model : Model
         Its box is widened by what sensors may say beyond its ends.
     order : tuple of int
-        Of the recipe's contacts.
+        Places of the contacts in the recipe, in the order of the series.
     error : float
         Length.
     common : bool

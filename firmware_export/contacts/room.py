@@ -14,7 +14,7 @@ from firmware_export.host import Host
 from firmware_export.truth import Model
 
 MARGIN = 1.1
-# Of the ends of what edges hold: their numbers are of 8 bits.
+# The ends of gaps are numbered with 8 bits, and corners come before them.
 MOST_PLACES = 100
 
 

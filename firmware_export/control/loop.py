@@ -64,7 +64,7 @@ def uncontrolled(steering: Steering, ride: Ride, start: Floats) -> Drive:
 
 
 def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> Loop:
-    """Return the ride that the C steers, from posture (k,) `start`; refuse rates of no robot."""
+    """Return the ride that the C steers, from posture (k,) `start`; rates are above 0."""
     if not (plant.rates > 0.0).all():
         raise InputError(f"--rate: above 0 (got {plant.rates.tolist()}).")
     recipe, cycle = steering.recipe, steering.cycle

@@ -64,8 +64,8 @@ class CArray:
 class CBody:
     """A codec's part of a blob, and what reads it.
 
-    `codec` is its number in runtime/smap_map.h, `contacts` what the runtime asks for as their
-    number.  `arrays` follow each other in the order in which the runtime's file for the codec
+    `codec` is its number in runtime/smap_map.h, and `contacts` is the number that the runtime asks
+    for.  `arrays` follow each other in the order in which the runtime's file for the codec
     describes them, `macros` say how many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
     `pose` are the words of 32 bits of a pose beside the map's address, with both forms and with
     integers alone; `swept` those for a box of postures, as on-board control makes it.  `step` is

@@ -54,7 +54,7 @@ class TipAxis:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything about one posture under one direction, `gravity_dir`; lengths in recipe's unit.
+    """Everything about one posture under one direction, `gravity_dir`; lengths as in the recipe.
 
     `facet` is the support facet, also where the robot tips, or None if it has none; `pierced` (3,)
     is D_g in its plane, under forces the zero-moment point, and NaN without a facet.

@@ -130,7 +130,7 @@ def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
     may hold; up to `hold_limits` it does.
     """
     turns = partial(rolls, posture)
-    return first_tilts(posture, turns, headings, step=STEP, halvings=HALVINGS)
+    return first_tilts(posture, turns, headings, step=STEP, halvings=HALVINGS)[0]
 
 
 def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
@@ -144,7 +144,7 @@ def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
         stands = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0] >= 0.0
         return np.asarray(stands & ~holds(posture, down))
 
-    return first_tilts(posture, gives, headings, step=STEP, halvings=HALVINGS)
+    return first_tilts(posture, gives, headings, step=STEP, halvings=HALVINGS)[0]
 
 
 def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:

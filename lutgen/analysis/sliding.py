@@ -31,12 +31,14 @@ def first_tilts(
     convention: str = "body",
     step: float = STEP,
     halvings: int = HALVINGS,
-) -> Floats:
-    """Return the smallest tilt (h,) in each heading at which something happens, all in rad.
+) -> tuple[Floats, Floats]:
+    """Return the smallest tilt (h,) in each heading at which something happens, and the end (h,).
+
+    The end is the tilt at which the robot tips over; all are in rad.
 
     `happens` takes directions (j, 3) in the body and returns (j,) bool.  What begins and ends
     between two looks, a `step` apart, may be missed; the last step is halved.  NaN where it does
-    not happen before the robot tips.  `convention` is that of `tilt.level_frames`.
+    not happen before the end.  `convention` is that of `tilt.level_frames`.
     """
     heading = np.asarray(headings, dtype=np.float64)
     frame = level_frames(posture.recipe, posture.row, convention)[0]
@@ -59,7 +61,7 @@ def first_tilts(
             after[between],
             halvings,
         )
-    return after
+    return after, end
 
 
 def share_limits(
@@ -84,8 +86,7 @@ def share_limits(
         found = evaluate(alone, posture.row, down, ("least_share",))["least_share"][0]
         return np.asarray(~(found >= share))
 
-    end = tilt_limits(recipe, posture.params, headings, convention)
-    return np.fmin(first_tilts(posture, light, headings, convention), end)
+    return np.fmin(*first_tilts(posture, light, headings, convention))
 
 
 def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body") -> Floats:
@@ -112,4 +113,4 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
         found[on] = across > mu * (normal * force).sum(axis=1)
         return found
 
-    return first_tilts(posture, slides, headings, convention)
+    return first_tilts(posture, slides, headings, convention)[0]

@@ -197,10 +197,10 @@ def wheel_speeds(
     ----------
     posture : Posture
     velocity : (2,) array_like
-        Of the centre of mass, length per second: along the part of the body's x axis in the contact
-        plane, and to the left of it.
+        How fast the centre of mass moves, length per second: along the part of the body's x axis in
+        the contact plane, and to the left of it.
     yaw_rate : float
-        About the plane's upward normal, rad/s.
+        How fast the robot turns about the plane's upward normal, rad/s.
     gravity_dir : (3,) array_like
         Down, body frame, any length > 0; it only chooses the support facet.
 

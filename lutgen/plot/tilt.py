@@ -60,8 +60,8 @@ def draw_limits(
 ) -> Figure:
     """Draw the largest tilt of the body before it tips over in each heading.
 
-    Of one posture its outline, its worst heading, and from where on it slides; of all postures,
-    `swept`, the best of them in each heading, and with `worst` the worst.
+    One posture has its outline, its worst heading, and the tilts from which it slides.  All
+    postures, `swept`, have the best of them in each heading, and with `worst` the worst.
     """
     figure = page(6.6, *_words(recipe, posture))
     lines = _sliding(recipe, posture)

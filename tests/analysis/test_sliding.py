@@ -88,7 +88,7 @@ def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips():
         def steep(down, bound=bound):
             return np.arccos(-down[:, 2]) >= bound
 
-        found = first_tilts(posture, steep, headings)
+        found, _ = first_tilts(posture, steep, headings)
         assert found == pytest.approx(expected, abs=1e-8, nan_ok=True)  # an arc cosine near 0.3
 
 

@@ -64,7 +64,7 @@ def test_machine_code_is_kept_until_a_file_with_kernels_changes(house, tmp_path)
     (house / "notes.py").write_text("x = 1\n")
     code = f"import sys; sys.stderr = sys.stdout; {OUTER}; print(outer(1))"
     told = [run(place, code, XDG_CACHE_HOME=cache) for place in (tmp_path, tmp_path / "copy")]
-    # Whoever waits for the compiler is told so once.
+    # One line says that kernels are compiled, and only the first time.
     assert re.sub("compiling.*", "compiling", told[0]) == "compiling\n20.0 0\n20.0"
     assert told[1] == "20.0 1\n20.0"
     (house / "notes.py").write_text("x = 2\n")

@@ -34,7 +34,7 @@ CASES = {
     "wheels_by_code": part(20_000),
     "tables_float": part(300_000),
 }
-# Of these the sanitizers see the square root in software: points, many contacts, tables.
+# The sanitizers run these with the square root in software: points, many contacts, tables.
 SOFT = ("paper_two", "absolem", "tables_float")
 WHOLE = ("tables_integer",)
 
