@@ -15,7 +15,7 @@ from firmware_export.certify.answers import Measured, Truth, device, span_of, st
 from firmware_export.certify.certificate import bounded, judged_by
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.emit import code_bytes, flash_bytes
-from firmware_export.protocol import Codec, Export
+from firmware_export.protocol import Aim, Codec, Export
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
@@ -201,7 +201,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     ceiling = goal.flash if goal.flash is not None else LARGEST
     most = ceiling - code_bytes(codec.families[trials.arithmetic])
     percent = None if goal.percent is None else goal.aim
-    sizes = codec.sizes(trials.model, trials.channels, most, percent)
+    sizes = codec.sizes(trials.model, trials.channels, Aim(most, percent))
 
     def larger(spec: Any) -> bool:
         """Tell whether sizes beyond this one are of use."""

@@ -16,7 +16,7 @@ from firmware_export.contacts.series import Series, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.protocol import CBody, Codec, Export, describe
+from firmware_export.protocol import ANY, Aim, CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
@@ -50,17 +50,6 @@ class Spec:
         """Short text for tables."""
         return f"contacts {self.error:g}" if self.error else "contacts"
 
-    @classmethod
-    def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("contacts 1e-05"), Spec.of_label("contacts")
-        (Spec(error=1e-05), Spec(error=0.0))
-        """
-        return cls(*map(float, label.split()[1:]))
-
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
@@ -79,24 +68,14 @@ class Tables(AnyTables):
     guard: float
     guard_text: str
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables."""
-        return self.body().bytes
-
     def body(self, integer: bool = False) -> CBody:
         """Return the tables for the emitter."""
         terms, three, many, step = self.terms, self.three, self.many, self.reach / STEPS
-        macros = [
-            ("SMAP_MAX_ENTRIES", terms.entries),
-            ("SMAP_MAX_COORDINATES", terms.width),
-            *[("SMAP_SERIES", 1)] * isinstance(terms, Series),
-        ]
+        macros = [("SMAP_MAX_ENTRIES", terms.entries), ("SMAP_MAX_COORDINATES", terms.width)]
+        macros += [("SMAP_SERIES", 1)] * isinstance(terms, Series)
         if three is not None:
-            thresholds = (three.lowest, three.steepest, three.rest_width)
-            return CBody(
-                POINTS, terms.arrays(three.code, thresholds, ()), 3, tuple(macros), POSE, step
-            )
+            arrays = terms.arrays(three.code, three[1:4], ())
+            return CBody(POINTS, arrays, 3, tuple(macros), POSE, step)
         assert many is not None
         contacts, tracks = len(many.order), len(many.first) - 1
         both, whole, swept = pose_words(self.room, contacts, terms.axes)
@@ -133,8 +112,7 @@ class Tables(AnyTables):
         cuts = [one[1:-1] for one in self.terms.knots] or [np.zeros(0)] * model.k
         axes = zip(cuts, model.lower, model.upper - model.lower, strict=True)
         ends = [np.concatenate([[0.0], (one - low) / width, [1.0]]) for one, low, width in axes]
-        rim = np.array([-model.chart_limit, model.chart_limit])
-        return Cells(tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends), rim, rim)
+        return tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends)
 
 
 @lru_cache(maxsize=4)
@@ -161,13 +139,13 @@ def _tables(model: Model, spec: Spec) -> Tables:
     tables = Tables(spec, terms, three, many, LIMITS, 1.02 * reach, guard, text)
     if many is None:
         return tables
+    return replace(tables, room=room_of(model, _host(model, tables)))
 
-    def host(room: Room) -> Host:
-        one = replace(tables, room=room)
-        export = Export("room", model.recipe, model, "contacts", "float", ("tip_angle",), one)
-        return Host(describe(export))
 
-    return replace(tables, room=room_of(model, host))
+def _host(model: Model, tables: Tables) -> Host:
+    """Return tables that are asked before they are an export."""
+    channels = ("tip_angle",)
+    return Host(describe(Export("", model.recipe, model, "contacts", "float", channels, tables)))
 
 
 def drawn_tables(model: Model) -> Tables:
@@ -194,10 +172,10 @@ def off_of(model: Model, spec: Spec) -> float:
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
     terms = series_of(model, order, error)
-    body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
-    blank = Tables(spec, terms, None, None, LIMITS, 1.0, 0.0, "")
-    export = Export("off", model.recipe, model, "contacts", "float", (), blank)
-    off = most_off(model, describe(export, body), order, terms.knots)
+    three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
+    many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
+    blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
+    off = most_off(model, _host(model, blank), order, terms.knots)
     if off > MOST_OFF * error:
         raise InputError(
             f"its positions cannot be held to {error:.3g} by polynomials (got {off:.3g}: they jump "
@@ -211,7 +189,6 @@ class Contacts(Codec):
 
     name = "contacts"
     families: ClassVar = {"float": "points"}
-    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -230,19 +207,13 @@ class Contacts(Codec):
             return str(error)
         return problem
 
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...] = (),
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels = (), aim: Aim = ANY) -> list[Spec]:
         """Return the sizes there are."""
         if model.recipe.python is None:
             return [Spec()]
         return [Spec(error) for error in ERRORS[model.is_tripod]]
 
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Return the tables: every channel is computed from the same."""
         return _tables(model, spec)
 

@@ -10,7 +10,6 @@ dense can show.  Ends, cuts and random postures are looked at beside.
 import numpy as np
 
 from firmware_export.host import Host
-from firmware_export.protocol import Blob
 from firmware_export.truth import Model, combinations, widened
 from lutgen.vector import Floats
 
@@ -18,21 +17,21 @@ from lutgen.vector import Floats
 PLACES, POSTURES, SEED = (1, 20_001, 301, 46), 30_000, 13
 
 
-def most_off(model: Model, blob: Blob, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
+def most_off(model: Model, host: Host, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
     """Return a bound of how far (length) any contact of the C is from the real one.
 
     Parameters
     ----------
     model : Model
         The robot; looked at as far beyond its box as sensors may say.
-    blob : Blob
+    host : Host
         A map with its tables of positions; nothing else of it counts.
     order : tuple of int
         The recipe's contacts as the map has them.
     knots : tuple of (p,) float64
         Where the tables are cut.
     """
-    box, host = widened(model), Host(blob)
+    box = widened(model)
 
     def off(params: Floats) -> Floats:
         centres = box.postures(_single(params)).centres[:, list(order)]

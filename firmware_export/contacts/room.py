@@ -5,7 +5,6 @@ without room for an arc of the boundary the pose fails: all of that is safe.
 """
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -32,14 +31,14 @@ class Room(NamedTuple):
 LIMITS, LEAST = Room(60, 154, 50, 254, 250), Room(1, 3, 1, 3, 1)
 
 
-def room_of(model: Model, host: Callable[[Room], Host]) -> Room:
-    """Return the room that a pose needs; `host` reads with a room."""
+def room_of(model: Model, host: Host) -> Room:
+    """Return the room that a pose needs; `host` reads with LIMITS."""
     rng = np.random.default_rng(5)
     any_posture = rng.random((3500, model.k))
     even = rng.integers(0, 5, (1000, model.k)) / 4.0
     equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
     params = model.at(np.concatenate([any_posture, even, equal])).astype(np.float32)
-    most = np.maximum(host(LIMITS).room(params), LEAST)
+    most = np.maximum(host.room(params), LEAST)
     return Room(*(min(math.ceil(MARGIN * n), most) for n, most in zip(most, LIMITS, strict=True)))
 
 

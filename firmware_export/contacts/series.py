@@ -11,11 +11,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.contacts.pieces import MOST_PARAMETERS, Pieces, com_moves, pieces_of
+from firmware_export.contacts.pieces import MOST_PARAMETERS, SEED, pieces_of
 from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.errors import InputError
+from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
 
 # Flags of the runtime, beside those of closed forms.
@@ -26,23 +27,25 @@ LARGEST = {2: 32767, 3: 8388607}
 MOST_TERMS = 65535
 
 Degrees = tuple[int, ...]
+Pair = tuple[int, int]
+Row = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
     """The tables of a robot's positions.
 
-    `knots`: of each axis; `degrees`: the highest of each parameter; `products`: pairs of entries;
-    `masks`: of each group the parameters by which its pieces go; `rows`: first term of each group
-    and piece, and how many x, y and z have; `entries` and `codes` of the terms; `unit`: length of a
-    code, of `code_bytes` each; `common`: whether the first group is minus the com.
+    `knots`: of each axis; `degrees`: the highest of each parameter; `masks`: of each group the
+    parameters by which its pieces go; `products`: pairs of entries; `rows`: first term of each
+    group and piece, and how many x, y and z have; `term_entries` and `codes` of the terms; `unit`:
+    length of a code, of `code_bytes` each; `common`: whether the first group is minus the com.
     """
 
     knots: tuple[Floats, ...]
     degrees: Degrees
-    products: tuple[tuple[int, int], ...]
     masks: tuple[int, ...]
-    rows: tuple[tuple[int, int, int, int], ...]
+    products: tuple[Pair, ...]
+    rows: tuple[Row, ...]
     term_entries: NDArray[np.uint8]
     codes: NDArray[np.int64]
     unit: np.float32
@@ -112,30 +115,21 @@ def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
             f"the robot is given by code, whose positions are held as tables over at most "
             f"{MOST_PARAMETERS} parameters (got {model.k}); use --codec grid"
         )
-    plain = _tables(pieces_of(model, order, error, False), error, False)
-    if not com_moves(model):
+    plain = _tables(model, order, error, False)
+    com = model.postures(model.at(np.random.default_rng(SEED).random((500, model.k)))).com
+    if np.ptp(com, axis=0).max() <= 1e-9 * robot_size_of(model.recipe):
         return plain
-    shared = _tables(pieces_of(model, order, 0.5 * error, True), 0.5 * error, True)
-    return min(plain, shared, key=lambda one: one.bytes)
+    # All contacts share a com that moves; both are off by half as much.
+    return min(plain, _tables(model, order, 0.5 * error, True), key=lambda one: one.bytes)
 
 
-def _shortened(values: Floats, budget: float) -> Floats:
-    """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
-    size = np.abs(values).ravel()
-    order = np.argsort(size, kind="stable")
-    gone = order[np.cumsum(size[order]) <= budget]
-    result = values.ravel().copy()
-    result[gone] = 0.0
-    return result.reshape(values.shape)
-
-
-def _tables(pieces: Pieces, error: float, common: bool) -> Series:
-    """Leave out what is small, and round the rest."""
-    k, shape = len(pieces.knots), pieces.shape
-    groups = pieces.series.shape[-2]
+def _tables(model: Model, order: tuple[int, ...], error: float, common: bool) -> Series:
+    """Leave out what is small of a robot's series, and round the rest."""
+    knots, series = pieces_of(model, order, error, common)
+    k, shape = len(knots), [len(one) - 1 for one in knots]
     masks, kept = [], []
-    for group in range(groups):
-        own = pieces.series[..., group, :]
+    for group in range(series.shape[-2]):
+        own = series[..., group, :]
         moving = [
             j
             for j in range(k)
@@ -150,72 +144,56 @@ def _tables(pieces: Pieces, error: float, common: bool) -> Series:
             place = dict(zip(moving, piece, strict=True))
             here = own[tuple(place.get(j, 0) for j in range(k))]
             kept.append([_shortened(here[..., i], LEFT_OUT * error / 3**0.5) for i in range(3)])
-    codes, unit, width = _rounded(kept, error)
-    used = np.concatenate([np.argwhere(one) for row in codes for one in row])
-    degrees = tuple(used.max(axis=0, initial=0).tolist())
-    return _packed(pieces, codes, unit, width, (degrees, tuple(masks), common))
-
-
-def _rounded(
-    kept: list[list[Floats]], error: float
-) -> tuple[list[list[NDArray[np.int64]]], np.float32, int]:
-    """Return codes of the coefficients, the length of one, and its bytes: two if they will do."""
     largest = max(float(np.abs(one).max(initial=0.0)) for row in kept for one in row)
     most = max(int(np.count_nonzero(one)) for row in kept for one in row)
+    # Two bytes for a code if they will do.
     width = 2 if 0.5 * 3**0.5 * most * largest / LARGEST[2] <= ROUNDED * error else 3
     unit = np.float32(max(largest, 1e-30) / LARGEST[width] * (1.0 + 1e-6))
     codes = [[np.rint(one / float(unit)).astype(np.int64) for one in row] for row in kept]
-    return codes, unit, width
+    used = np.concatenate([np.argwhere(one) for row in codes for one in row])
+    degrees = tuple(used.max(axis=0, initial=0).tolist())
+    return Series(
+        tuple(knots), degrees, tuple(masks), *_packed(codes, degrees), unit, width, common
+    )
+
+
+def _shortened(values: Floats, budget: float) -> Floats:
+    """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
+    size = np.abs(values).ravel()
+    order = np.argsort(size, kind="stable")
+    result = values.copy()
+    result.flat[order[np.cumsum(size[order]) <= budget]] = 0.0
+    return result
 
 
 def _packed(
-    pieces: Pieces,
-    codes: list[list[NDArray[np.int64]]],
-    unit: np.float32,
-    width: int,
-    how: tuple[Degrees, tuple[int, ...], bool],
-) -> Series:
-    """Return the tables with entries and rows numbered; rows that are alike are stored once."""
-    degrees, masks, common = how
+    codes: list[list[NDArray[np.int64]]], degrees: Degrees
+) -> tuple[tuple[Pair, ...], tuple[Row, ...], NDArray[np.uint8], NDArray[np.int64]]:
+    """Return products, rows, and entries and codes of the terms; rows alike are stored once."""
     begins = [1, *(1 + total for total in itertools.accumulate(degrees))]
-    table = Products(begins[-1])
-    entries: list[int] = []
-    values: list[int] = []
-    rows: list[tuple[int, int, int, int]] = []
-    known: dict[tuple[tuple[int, ...], ...], tuple[int, int, int, int]] = {}
+    table, terms = Products(begins[-1]), list[tuple[int, int]]()
+    known: dict[tuple[tuple[int, int], ...], Row] = {}
+    rows = []
     for row in codes:
-        own: list[tuple[int, int]] = []
-        counts = []
+        own, counts = list[tuple[int, int]](), []
         for one in row:
             # The smallest first: rounding of the sum is least so.
-            found = sorted((abs(int(one[n])), n) for n in map(tuple, np.argwhere(one).tolist()))
-            factors = [
-                tuple(b + d - 1 for b, d in zip(begins, n, strict=False) if d) for _, n in found
-            ]
-            own += [(table.of(f), int(one[n])) for f, (_, n) in zip(factors, found, strict=True)]
-            counts.append(len(found))
-        key = (tuple(counts), *own)
+            for _, n in sorted(
+                (abs(int(one[n])), n) for n in map(tuple, np.argwhere(one).tolist())
+            ):
+                factors = tuple(b + d - 1 for b, d in zip(begins, n, strict=False) if d)
+                own.append((table.of(factors), int(one[n])))
+            counts.append(int(np.count_nonzero(one)))
+        key = ((counts[0], counts[1]), *own)
         if key not in known:
-            known[key] = (len(values), counts[0], counts[1], counts[2])
-            entries += [entry for entry, _ in own]
-            values += [code for _, code in own]
+            known[key] = (len(terms), counts[0], counts[1], counts[2])
+            terms += own
         rows.append(known[key])
-    count = table.count
     most = max(max(row[1:]) for row in rows)
-    if count > MOST_ENTRIES or len(values) > MOST_TERMS or most > MOST_ENTRIES:
+    if table.count > MOST_ENTRIES or len(terms) > MOST_TERMS or most > MOST_ENTRIES:
         raise InputError(
-            f"its positions need {count} functions and {len(values)} coefficients, more than the "
-            f"{MOST_ENTRIES} and {MOST_TERMS} of the runtime"
+            f"its positions need {table.count} functions and {len(terms)} coefficients, more than "
+            f"the {MOST_ENTRIES} and {MOST_TERMS} of the runtime"
         )
-    return Series(
-        pieces.knots,
-        degrees,
-        tuple(table.pairs),
-        masks,
-        tuple(rows),
-        np.array(entries, np.uint8),
-        np.array(values, np.int64),
-        unit,
-        width,
-        common,
-    )
+    entries, values = np.array(terms, np.int64).reshape(-1, 2).T
+    return tuple(table.pairs), tuple(rows), entries.astype(np.uint8), values

@@ -3,7 +3,7 @@
 In reading order: `array`, `policy`, `codec`, `blob`.
 """
 
-from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
+from firmware_export.protocol.array import CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
-from firmware_export.protocol.codec import Codec, Export, Tables
+from firmware_export.protocol.codec import ANY, Aim, Channels, Codec, Export, Tables
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy

@@ -1,28 +1,16 @@
 """Hold what a codec hands over: its numbers in order, and what reads them."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
-
-# The types of tables and the NumPy types of the same width.
-CTYPES: dict[str, type[np.generic]] = {
-    "uint8_t": np.uint8,
-    "int8_t": np.int8,
-    "uint16_t": np.uint16,
-    "int16_t": np.int16,
-    "uint32_t": np.uint32,
-    "int32_t": np.int32,
-    "float": np.float32,
-}
 
 
 @dataclass(frozen=True, eq=False)
 class CArray:
-    """Numbers of one type, a key of `CTYPES`, that follow each other in the blob, in C order.
+    """Numbers of one type, such as ``uint8_t`` or ``float``, that stand in the blob in C order.
 
     `comment` says in one line what they are, their axes and their unit; `table` whether they are
     the robot's own, and no part of the descriptor.
@@ -36,7 +24,7 @@ class CArray:
 
     def __post_init__(self) -> None:
         found = np.asarray(self.values)
-        held = found.astype(CTYPES[self.ctype])
+        held = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
         if not (np.isfinite(found).all() and (self.ctype == "float" or (held == found).all())):
             raise InputError(
                 f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
@@ -45,19 +33,15 @@ class CArray:
         object.__setattr__(self, "values", held)
 
     @property
-    def numbers(self) -> NDArray[Any]:
-        """The values, flat."""
-        return np.asarray(self.values).reshape(-1)
-
-    @property
     def packed(self) -> bytes:
         """The values as they stand in flash, little-endian."""
-        return self.numbers.astype(self.numbers.dtype.newbyteorder("<")).tobytes()
+        held = np.asarray(self.values)
+        return held.astype(held.dtype.newbyteorder("<")).tobytes()
 
     @property
     def bytes(self) -> int:
         """Bytes of flash."""
-        return int(self.numbers.nbytes)
+        return int(np.asarray(self.values).nbytes)
 
 
 @dataclass(frozen=True)

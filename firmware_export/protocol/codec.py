@@ -4,13 +4,27 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from firmware_export.protocol.array import CBody
 from firmware_export.protocol.policy import Policy
 from firmware_export.truth import Cells, Model
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
+
+# The names of channels, in the order of `quantities.EXPORTABLE`.
+Channels = tuple[str, ...]
+
+
+class Aim(NamedTuple):
+    """Most bytes of tables, and greatest error of |SD_g| in percent of its range; None: any."""
+
+    bytes: int | None = None
+    percent: float | None = None
+
+
+# Any size and any error.
+ANY = Aim()
 
 
 class Tables(ABC):
@@ -27,9 +41,9 @@ class Tables(ABC):
     tested = False
 
     @property
-    @abstractmethod
     def bytes(self) -> int:
         """Bytes of all tables of numbers."""
+        return self.body(False).bytes
 
     @abstractmethod
     def body(self, integer: bool) -> CBody:
@@ -52,44 +66,33 @@ class Codec(ABC):
     """A way to hold a robot.
 
     Two codecs may share a `name`, by which people call them: then at most one of them holds a given
-    robot.  `families` are those of the runtime for each arithmetic, `spec` is the class of sizes.
+    robot.  `families` are those of the runtime for each arithmetic.
     """
 
     name: str
     families: ClassVar[Mapping[str, str]]
-    spec: ClassVar[Any]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot hold this robot, in one sentence, or None."""
 
     @abstractmethod
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...],
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Any]:
+    def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Any]:
         """Return the sizes worth trying, the smallest and least accurate first.
 
-        A codec that takes minutes for one returns that for `most` bytes of tables, or the
-        smallest for an error of |SD_g| of so many `percent`.
+        A codec that takes minutes for one returns the largest for the bytes that are aimed at, or
+        the smallest for the error.
         """
 
     @abstractmethod
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Any) -> Any:
+    def encode(self, model: Model, channels: Channels, spec: Any) -> Any:
         """Return tables, fitted and quantised: the same for the same arguments."""
-
-    def read_label(self, label: str) -> Any:
-        """Return the size with a label."""
-        return self.spec.of_label(label)
 
     def export(
         self,
         model: Model,
         name: str,
-        channels: tuple[str, ...],
+        channels: Channels,
         arithmetic: str = "float",
         spec: Any = None,
     ) -> "Export":
@@ -118,7 +121,7 @@ class Export:
     model: Model
     codec: str
     arithmetic: str
-    channels: tuple[str, ...]
+    channels: Channels
     tables: Any
     certificate: dict[str, Any] | None = None
     pareto: list[dict[str, Any]] | None = None

@@ -36,12 +36,8 @@ class Sample(NamedTuple):
         return int(self.gravity.shape[0] * self.gravity.shape[1])
 
 
-class Cells(NamedTuple):
-    """Knots of a table: per parameter (n,), normalised to 0..1; of u and of v, in units of them."""
-
-    params: tuple[Floats, ...]
-    u: Floats
-    v: Floats
+# Knots (n,) of a table along each parameter, normalised to 0..1.
+Cells = tuple[Floats, ...]
 
 
 def per_posture(model: Model) -> int:
@@ -125,9 +121,8 @@ def _biased_params(model: Model, rng: np.random.Generator, m: int, cells: Cells 
     share = rng.integers(1, model.k + 1, (m, 1)) / model.k if model.k else np.zeros((m, 1))
     hair = np.where(rng.random(t.shape) < 0.7, 0.0, 10.0 ** rng.uniform(-6.0, -2.0, t.shape))
     ends = np.where(rng.random(t.shape) < share, np.abs(side - hair), t)
-    if cells is not None:
-        for column, knots in enumerate(cells.params):
-            t[:, column] = _middles(knots, rng, m)
+    for column, knots in enumerate(cells or ()):
+        t[:, column] = _middles(knots, rng, m)
     return to_box(model, np.where(np.arange(m)[:, None] % 2 == 0, ends, t))
 
 
@@ -139,10 +134,9 @@ def _rim_directions(
     u, v = rng.uniform(-limit, limit, (2, *shape))
     kind = rng.integers(0, 3, shape)
     if cells is not None:
-        count = u.size
-        inside = kind == 2
-        u = np.where(inside, _middles(cells.u, rng, count).reshape(shape), u)
-        v = np.where(inside, _middles(cells.v, rng, count).reshape(shape), v)
+        rim = np.array([-limit, limit])
+        middles = [_middles(rim, rng, u.size).reshape(shape) for _ in range(2)]
+        u, v = np.where(kind == 2, middles, (u, v))
     u = np.where(kind != 2, np.copysign(limit, u), u)
     v = np.where(kind == 1, np.copysign(limit, v), v)
     swap = rng.random(shape) < 0.5

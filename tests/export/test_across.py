@@ -11,11 +11,11 @@ from lutgen.recipe import load_recipe
 from tests.fixtures.exports import before_guard
 
 
-@pytest.mark.parametrize("label", ["grid i8 3x1 1x3 1x1", "grid i16 5x1 1x4 1x1"])
-def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard(label):
+@pytest.mark.parametrize(("bits", "nodes"), [(8, (3, 3)), (16, (5, 4))])
+def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard(bits, nodes):
     model = Model(load_recipe("maps/paper_two.toml"))
     channels = ("sdg", "tip_angle", "height")
-    spec = lookup.Spec.of_label(label)
+    spec = lookup.Spec(bits, ((nodes[0], 1), (1, nodes[1]), (1, 1)))
     export = lookup.INFO.export(model, "table", channels, spec=spec)
     rng = np.random.default_rng(8)
     params = model.at(rng.random((60_000, model.k))).astype(np.float32)

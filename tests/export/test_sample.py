@@ -6,7 +6,7 @@ import pytest
 import lutgen
 from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
-from firmware_export.truth.sample import Cells, biased, uniform
+from firmware_export.truth.sample import biased, uniform
 from firmware_export.truth.tip_boundary import on_chart
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -84,7 +84,7 @@ def test_many_biased_directions_are_close_to_the_tip_over_boundary_on_both_sides
 
 def test_cells_of_a_table_are_met_in_their_middles():
     knots = np.array([0.0, 0.3, 1.0])
-    cells = Cells((knots, np.array([0.0, 0.5, 1.0])), np.array([-1.0, 1.0]), np.array([-1.0, 1.0]))
+    cells = (knots, np.array([0.0, 0.5, 1.0]))
     t = normalised(CONE, biased(CONE, 4000, 5, cells))
     for column, middles in enumerate([(0.15, 0.65), (0.25, 0.75)]):
         for middle in middles:
