@@ -55,9 +55,9 @@ class Certificate:
     false_tip: float
     jumps: bool
     beyond: float | None
-    nearest: float
-    searched: int
-    seed: int
+    nearest: float = 0.0
+    searched: int = 0
+    seed: int = SEED
     text: tuple[str, ...] = ()
     witness: Witness | None = field(default=None, compare=False)
     wrong: tuple[Floats, Floats] | None = field(default=None, compare=False)
@@ -256,8 +256,6 @@ def put_to_test(
         false_tip=refused / max(standing, 1),
         jumps=held,
         beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if held else None,
-        nearest=0.0,
-        searched=0,
         seed=seed,
         text=_about_test(every["tip_angle off"], asked),
         witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,

@@ -1,6 +1,12 @@
 """The tables of positions of a robot that is given by code: codes of series over pieces.
 
 The layout is that of runtime/smap_series.h.  Small terms are left out, and the others rounded.
+
+Nothing is known of the code but its values, so the bound of how far the positions of the C are off
+is of what is seen.  On a dense grid of postures the very C is asked, in single precision.  Between
+two neighbours of the grid the difference rises by about half of what it changes from one to the
+other; for every axis the whole of the largest such change is added to the largest difference.  That
+holds for all that a grid as dense can show.  Ends, cuts and random postures are looked at beside.
 """
 
 import itertools
@@ -11,10 +17,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.contacts.pieces import MOST_PARAMETERS, SEED, pieces_of
+from firmware_export.contacts.pieces import MOST_PARAMETERS, pieces_of
 from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
+from firmware_export.host import Host
 from firmware_export.protocol import CArray
-from firmware_export.truth import Model
+from firmware_export.truth import Model, combinations, widened
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
@@ -197,3 +204,58 @@ def _packed(
         )
     entries, values = np.array(terms, np.int64).reshape(-1, 2).T
     return tuple(table.pairs), tuple(rows), entries.astype(np.uint8), values
+
+
+# Places along each axis of the grid by the number of parameters, and other postures.
+PLACES, POSTURES, SEED = (1, 20_001, 301, 46), 30_000, 13
+
+
+def most_off(model: Model, host: Host, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
+    """Return a bound of how far (length) any contact of the C is from the real one.
+
+    Parameters
+    ----------
+    model : Model
+        The robot; looked at as far beyond its box as sensors may say.
+    host : Host
+        A map with its tables of positions; nothing else of it counts.
+    order : tuple of int
+        The recipe's contacts as the map has them.
+    knots : tuple of (p,) float64
+        Where the tables are cut.
+    """
+    box = widened(model)
+
+    def off(params: Floats) -> Floats:
+        centres = box.postures(_single(params)).centres[:, list(order)]
+        return host.positions(params) - centres
+
+    low, high = _single(box.lower), _single(box.upper)
+    count = PLACES[model.k]
+    grid = combinations([np.linspace(a, b, count) for a, b in zip(low, high, strict=True)])
+    seen = off(grid).reshape(*(count,) * model.k, -1, 3)
+    bound = float(np.sqrt((seen**2).sum(axis=-1)).max())
+    for axis in range(model.k):
+        between = np.diff(seen, axis=axis)
+        bound += float(np.sqrt((between**2).sum(axis=-1)).max())
+    others = off(_others(low, high, knots))
+    return max(bound, float(np.sqrt((others**2).sum(axis=-1)).max()))
+
+
+def _single(numbers: Floats) -> Floats:
+    """Return numbers rounded to single precision."""
+    return numbers.astype(np.float32).astype(np.float64)
+
+
+def _others(low: Floats, high: Floats, knots: tuple[Floats, ...]) -> Floats:
+    """Return random postures (m, k), and some on both sides of each end and cut."""
+    rng = np.random.default_rng(SEED)
+    params = (low + (high - low) * rng.random((POSTURES, len(low)))).astype(np.float32)
+    for axis, cuts in enumerate(knots):
+        single = cuts.astype(np.float32)
+        beside = np.concatenate(
+            [single, np.nextafter(single, low[axis]), np.nextafter(single, high[axis])]
+        )
+        some = slice(axis, POSTURES // 2, len(knots))
+        params[some, axis] = np.clip(rng.choice(beside, len(params[some])), low[axis], high[axis])
+    return params.astype(np.float64)

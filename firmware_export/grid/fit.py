@@ -235,6 +235,7 @@ def length_error(lesson: Lesson, lattice: Lattice) -> float:
     )
 
 
+@lru_cache(maxsize=2)
 def fit(
     model: Model, shape: tuple[int, ...], lengths: tuple[str, ...]
 ) -> tuple[Lattice, Singles, dict[str, tuple[Singles, float]]]:

@@ -6,8 +6,7 @@ make the numbers.
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,11 +107,6 @@ class Tables(AnyTables):
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 
-@lru_cache(maxsize=2)
-def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> tuple[Any, ...]:
-    return fit.fit(model, nodes, lengths)
-
-
 class Trained(Codec):
     """The codec: one size, as large as may be or as an error needs; it trains for minutes."""
 
@@ -168,7 +162,7 @@ class Trained(Codec):
     def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Train the tables of one size."""
         lengths = _lengths(channels)
-        lattice, values, found = _fitted(model, spec.nodes, lengths)
+        lattice, values, found = fit.fit(model, spec.nodes, lengths)
         codes = np.stack([values, *(found[name][0] for name in lengths)]).astype(np.uint8)
         steps = tuple(found[name][1] for name in lengths)
         lesson = fit.learn(model)

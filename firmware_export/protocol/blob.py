@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.protocol.array import CArray
-from firmware_export.protocol.codec import Export
+from firmware_export.protocol.codec import CArray, Export
 from firmware_export.truth import Model, slack
 
 VERSION = 3

@@ -18,8 +18,7 @@ from firmware_export.emit.runtime import control_file, control_text, runtime_fil
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
-from firmware_export.protocol import Export
-from firmware_export.protocol.array import CArray, literal
+from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size

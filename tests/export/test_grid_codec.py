@@ -281,7 +281,7 @@ def test_codes_are_the_same_for_any_number_of_threads():
     for threads in (1, 2):
         numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
         fit.learn.cache_clear()
-        table._fitted.cache_clear()
+        fit.fit.cache_clear()
         codes.append(trained(rover(), 500).tables.codes)
     np.testing.assert_array_equal(codes[0], codes[1])
 

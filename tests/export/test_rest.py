@@ -9,8 +9,7 @@ import pytest
 
 from firmware_export.truth import widened
 from firmware_export.truth.model import Model
-from firmware_export.truth.rest import least_edge_of
-from firmware_export.truth.series import evaluate, expand
+from firmware_export.truth.rest import evaluate, expand, least_edge_of
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 

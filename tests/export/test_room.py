@@ -9,7 +9,7 @@ import pytest
 
 import lutgen
 from firmware_export.contacts import INFO as contacts
-from firmware_export.contacts.room import LIMITS
+from firmware_export.contacts.codec import LIMITS
 from firmware_export.emit import package
 from firmware_export.host import STANDS
 from firmware_export.truth import Model

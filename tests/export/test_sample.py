@@ -6,8 +6,7 @@ import pytest
 import lutgen
 from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
-from firmware_export.truth.sample import biased, uniform
-from firmware_export.truth.tip_boundary import on_chart
+from firmware_export.truth.sample import biased, on_chart, uniform
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 BALL = ("upright = 90.0", "upright = 90.0\ncom_uncertainty = 0.01")

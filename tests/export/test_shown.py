@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from firmware_export.contacts.many import many_of, order_of
-from firmware_export.contacts.shown import shown_contacts
+from firmware_export.contacts.many import many_of, order_of, shown_contacts
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from lutgen.support import DISC
