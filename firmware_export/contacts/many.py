@@ -141,16 +141,12 @@ def _carried(model: Model) -> list[int]:
     return [names.index(name) for axle in model.recipe.axles for name in axle.contacts]
 
 
-class Tracks(NamedTuple):
-    """The level axis (x, y) of all discs, and where (n,) each shown contact is along it, length."""
-
-    axis: tuple[float, float]
-    places: Floats
-
-
 @lru_cache(maxsize=8)
-def _tracks(model: Model) -> Tracks | None:
-    """Return the tracks of a robot, None where the runtime searches; postures tell."""
+def _tracks(model: Model) -> tuple[tuple[float, float], Floats] | None:
+    """Return the level axis (x, y) of all discs, and where (n,) shown contacts are along it.
+
+    In length; None where the runtime searches.  Postures tell.
+    """
     shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
     kinds = model.kind[shown]
     if (kinds == SPHERE).any() or model.recipe.upright > MOST_PITCH or model.recipe.axles:
@@ -172,7 +168,7 @@ def _tracks(model: Model) -> Tracks | None:
     places = along.mean(axis=0).round(9 - math.floor(math.log10(size)))
     if np.ptp(along, axis=0).max() > SAME * size or np.ptp(places) <= SAME * size:
         return None
-    return Tracks((float(axis[0]), float(axis[1])), places)
+    return (float(axis[0]), float(axis[1])), places
 
 
 def _lowest(model: Model, rho: float) -> float:
@@ -206,7 +202,7 @@ def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
     if tracks is None:
         points = range(len(model.kind), len(model.kind) + len(carried))
         return (*carried, *(at for at in shown if at not in carried), *points), True
-    return tuple(shown[at] for at in np.argsort(-tracks.places, kind="stable")), False
+    return tuple(shown[at] for at in np.argsort(-tracks[1], kind="stable")), False
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:
@@ -218,7 +214,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     tracks, (order, _) = _tracks(model), order_of(model)
     first, axis = [len(model.recipe.axles)], (0.0, 1.0)
     if tracks is not None:
-        axis, places = tracks.axis, -np.sort(-tracks.places)
+        axis, places = tracks[0], -np.sort(-tracks[1])
         for at in range(1, len(order)):
             if places[first[-1]] - places[at] > SAME * size:
                 first.append(at)

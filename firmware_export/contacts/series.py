@@ -45,7 +45,8 @@ class Series:
     `knots`: of each axis; `degrees`: the highest of each parameter; `masks`: of each group the
     parameters by which its pieces go; `products`: pairs of entries; `rows`: first term of each
     group and piece, and how many x, y and z have; `term_entries` and `codes` of the terms; `unit`:
-    length of a code, of `code_bytes` each; `common`: whether the first group is minus the com.
+    length of a code, of `code_bytes` each; `common`: whether the first group is minus the com;
+    `axes`: how many axes of discs, which codes do not hold.
     """
 
     knots: tuple[Floats, ...]
@@ -58,6 +59,7 @@ class Series:
     unit: np.float32
     code_bytes: int
     common: bool
+    axes: int = 0
 
     @property
     def entries(self) -> int:
@@ -68,11 +70,6 @@ class Series:
     def width(self) -> int:
         """How many coordinates the runtime computes."""
         return 3 * (len(self.masks) - self.common)
-
-    @property
-    def axes(self) -> int:
-        """How many distinct axes of discs there are: codes hold none."""
-        return 0
 
     @property
     def bytes(self) -> int:
