@@ -12,7 +12,6 @@ from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.series import Series, most_off, series_of
@@ -135,15 +134,9 @@ class Tables(AnyTables):
             *((f"SMAP_MAX_{name.upper()}", most) for name, most in self.room._asdict().items()),
             ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
         ]
-        return CBody(
-            codec=RAILS if tracks else SEARCH,
-            arrays=terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room)),
-            contacts=contacts,
-            macros=tuple(macros),
-            pose=(both, whole),
-            step=step,
-            swept=swept,
-        )
+        codec = RAILS if tracks else SEARCH
+        arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room))
+        return CBody(codec, arrays, contacts, tuple(macros), (both, whole), step, swept=swept)
 
     def guarded(self, guard: float) -> Self | None:
         """Return tables of many contacts with a larger guard (rad); None of three points.
@@ -250,7 +243,6 @@ class Contacts(Codec):
             if problem is None and model.recipe.python is not None:
                 off_of(model, self.sizes(model)[0])
             elif problem is None:
-                closed_form(model.recipe)
                 terms_of(model.recipe, model.radius, _order(model)[0])
         except InputError as error:
             return str(error)

@@ -88,12 +88,10 @@ class CBody:
         return sum(array.bytes for array in self.arrays if array.table)
 
 
-def literal(value: float | np.generic, ctype: str) -> str:
-    """Return a constant of a type as C writes it, such as ``0.1f``."""
-    if ctype == "float":
-        # NumPy prints the shortest decimal that reads back as the same single.
-        return f"{np.float32(value)!s}f"
-    return f"{int(value)}u" if ctype == "uint32_t" else str(int(value))
+def literal(value: float) -> str:
+    """Return a float constant as C writes it, such as ``0.1f``."""
+    # NumPy prints the shortest decimal that reads back as the same single.
+    return f"{np.float32(value)!s}f"
 
 
 # The names of channels, in the order of `quantities.EXPORTABLE`.
