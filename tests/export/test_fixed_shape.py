@@ -9,7 +9,7 @@ from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import STRICT, HostLibrary, compile_c
-from tests.fixtures.fits import few_points, untried
+from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import contact, rigid
 
 CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
@@ -31,7 +31,7 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
 ):
     contacts = "".join(contact(f"P{i}", p) for i, p in enumerate(CORNERS[:count]))
     model = Model(parse_recipe(rigid(body + contacts)))
-    with few_points(), untried():
+    with few_points():
         export = usable(model, arithmetic, codec)[0].export(model, "rigid", EXPORTABLE, arithmetic)
         package.write(export, tmp_path)
     # Many contacts take a compiler seconds.

@@ -15,7 +15,6 @@ from firmware_export.emit.facts import report
 from firmware_export.emit.render import texts
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
-from tests.fixtures.fits import untried
 from tests.fixtures.places import ROOT
 from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
@@ -27,12 +26,6 @@ NAMES = {
     *("zephyr/module.yml", "zephyr/CMakeLists.txt"),
     *("feet_report.json", "feet_report.md"),
 }
-
-
-@pytest.fixture(autouse=True)
-def quick():
-    with untried():
-        yield
 
 
 @pytest.fixture(scope="module")
