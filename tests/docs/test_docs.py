@@ -144,3 +144,17 @@ def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path, monkeypa
     assert first == second
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=2000))
     stdout(*first.split())
+
+
+def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    keys = dict(re.findall(r"^([a-z-]+):[ ]*(.*)$", citation, re.MULTILINE))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys)
+    assert keys["cff-version"] == "1.2.0"
+    assert keys["version"] == lutgen.__version__
+    assert f'license = "{keys["license"]}"' in (ROOT / "pyproject.toml").read_text()
+    assert "- name: The lutgen developers" in citation
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
+    assert newest is not None
+    assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"

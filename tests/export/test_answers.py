@@ -10,7 +10,6 @@ import lutgen
 from firmware_export.codecs import codec
 from firmware_export.contacts.room import LIMITS
 from firmware_export.control import Wishes, design
-from firmware_export.host import STANDS
 from firmware_export.truth import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
@@ -30,13 +29,14 @@ from tests.fixtures.many_library import (
 from tests.fixtures.places import MAPS
 from tests.fixtures.quadruped import quadruped
 from tests.fixtures.recipes import rover, steered, tripod
-from tests.fixtures.tractors import tractor
 
 MANY = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
 TEXTS = {"rover": rover(), "steered": steered(), "tripod": tripod()}
-TEXTS |= {"tractor": tractor(0.7, 1), "tractor on wheels": tractor(0.8, 2, radius=0.4)}
-TEXTS |= {"fixed tractor": tractor()}
-ROBOTS = (*MANY, "paper_one", "paper_two", "three_leg_sphere", *TEXTS, *COARSEST)
+# An axle that swings; and one that is moved by a joint.
+TRACTOR = (MAPS / "tractor.toml").read_text()
+FRONT = '"front_axle"\nparent = "{}"'
+TEXTS |= {"lifted": TRACTOR.replace(FRONT.format("body"), FRONT.format("loader"))}
+ROBOTS = (*MANY, "tractor", "paper_one", "paper_two", "three_leg_sphere", *TEXTS, *COARSEST)
 
 
 def recipe_of(name):
@@ -197,24 +197,9 @@ def test_answers_do_not_depend_on_the_unit_of_length():
         assert metres[name].tobytes() == other[name].tobytes()
 
 
-@pytest.mark.parametrize(("pivot", "sideways"), [(0.7, 38.5), (0.5, 35.7), (0.0, 30.1)])
-def test_a_tractor_tips_sideways_over_its_pivot(pivot, sideways):
-    # Worked by hand: 0.8 (1 - 0.8 / x) / 0.9 with x = 0.8 + 1.5 * 0.9 / (0.9 - z).
-    slope = np.radians(np.arange(25.0, 45.0, 0.01))
-    down = np.column_stack([0.0 * slope, np.sin(slope), -np.cos(slope)])
-    host = Library(parse_recipe(tractor(pivot))).host
-    _, status, reading = host.at(np.zeros(0), down)
-    stands = np.isin(status, STANDS)
-    assert math.degrees(slope[stands].max()) == pytest.approx(sideways, abs=0.06)
-    assert not stands[slope > slope[stands].max()].any()
-    # Over the line from the rear left wheel to the pivot, which is nearest to the front ones.
-    names = set(reading["over"][stands][-1].tolist())
-    assert 0 in names
-    assert names & {2, 3}
-
-
 def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out():
-    uncertain = Model(parse_recipe(tractor(head="com_uncertainty = 0.01")))
+    uncertain = TRACTOR.replace("[robot]\n", "[robot]\ncom_uncertainty = 0.01\n")
+    uncertain = Model(parse_recipe(uncertain))
     assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
     with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):
-        design(Model(parse_recipe(tractor(parameters=1))), Wishes())
+        design(Model(parse_recipe(TRACTOR)), Wishes())

@@ -12,7 +12,7 @@ from firmware_export.certify.certificate import Effort, certify
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth.model import Model
-from firmware_export.truth.sample import Sample, biased, uniform
+from firmware_export.truth.sample import biased, uniform
 from lutgen.errors import ExportError
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -199,45 +199,6 @@ def test_the_bound_is_for_the_largest_error_where_nothing_jumps():
     assert height["max"] > 0.019 * np.nanmin(exact.height)
     assert found.error(relative=True) == max(sdg["max_percent"], height["max_percent"])
     assert found.text == ()
-
-
-def test_the_truth_is_computed_at_the_query_itself():
-    sample = Sample(TRIPOD.lower[None] + 0.1, np.array([[[0.6, 0.0, -0.8], [0.0, 0.1, -1.0]]]))
-    single = truth(TRIPOD, sample)
-    np.testing.assert_array_equal(single.sample.params, single.params.astype(np.float64))
-    np.testing.assert_array_equal(single.sample.gravity, single.gravity.astype(np.float64))
-    whole = truth(TRIPOD, sample, integer=True)
-    assert whole.params.dtype == whole.gravity.dtype == np.int16
-    asked = whole.sample.params
-    np.testing.assert_allclose(asked, sample.params, atol=0.6 / 32767 * 1.6)  # half a step
-    np.testing.assert_array_equal(whole.exact.tip_angle, TRIPOD.exact(*whole.sample).tip_angle)
-
-
-def integers(model, guard_q):
-    """Return an honest device without floats: sines in 1/32767, lengths in steps of 1e-4."""
-
-    def read(params, gravity):
-        q = model.lower + params / 32767.0 * (model.upper - model.lower)
-        exact = model.exact(q, gravity[:, None].astype(np.float64))
-        tip = np.floor(np.sin(exact.tip_angle[:, 0]) * 32767.0) - guard_q
-        tips = tip < 0
-        lengths = [
-            np.where(tips, 6.5535, np.nan_to_num(x[:, 0])) / 1e-4 for x in (exact.sdg, exact.height)
-        ]
-        reading = np.stack([np.rint(lengths[0]), tip, np.rint(lengths[1])], 1)
-        return np.where(tips, 2, 0).astype(np.int8), reading.astype(np.int64)
-
-    return Reader(model, read, {"sdg": 1e-4, "height": 1e-4})
-
-
-def test_an_export_without_floats_is_certified_in_its_own_units():
-    found = certify(integers(TRIPOD, 0), CHANNELS, effort=EFFORT)
-    assert found.false_safe == 0
-    # Half a step, and the step itself is what a length is rounded to.
-    assert found.channels["sdg"]["max"] == pytest.approx(0.5e-4, rel=0.01)
-    # One step of the sine, where the tip angle is steepest: below 60 deg.
-    assert found.channels["tip_angle"]["max"] < 2.0 / 32767.0
-    assert certify(integers(TRIPOD, -1), CHANNELS, effort=EFFORT).false_safe > 0
 
 
 def test_a_height_that_changes_by_rounding_alone_has_no_range():

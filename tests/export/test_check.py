@@ -15,8 +15,8 @@ from tests.fixtures.compiled import compile_c
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.length import part
 from tests.fixtures.noise import noise
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import rover, tripod
-from tests.fixtures.tractors import tractor
 
 OK, CORRUPT = 0, 5
 
@@ -34,7 +34,10 @@ MAKERS = {
         "rails",
     ),
     "any contacts": (rover_export, "search"),
-    "an axle that swings": (lambda: rover_export(text=tractor(parameters=1)), "search"),
+    "an axle that swings": (
+        lambda: rover_export(text=(MAPS / "tractor.toml").read_text()),
+        "search",
+    ),
     "points given by code": (lambda: coded_export("coded", "legs"), "points"),
     "many given by code": (lambda: coded_export("coded", "scissors"), "search"),
     "grid": (lambda: tripod_export(codec="grid"), "tables"),
