@@ -20,7 +20,6 @@ from tests.fixtures.many_library import (
     ROCKS,
     TIPS,
     Library,
-    boundary_points,
     compared,
     near_and_far,
     postures_of,
@@ -30,13 +29,13 @@ from tests.fixtures.places import MAPS
 from tests.fixtures.quadruped import quadruped
 from tests.fixtures.recipes import rover, steered, tripod
 
-MANY = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
+MANY = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped", "tractor")
 TEXTS = {"rover": rover(), "steered": steered(), "tripod": tripod()}
 # An axle that swings; and one that is moved by a joint.
 TRACTOR = (MAPS / "tractor.toml").read_text()
 FRONT = '"front_axle"\nparent = "{}"'
 TEXTS |= {"lifted": TRACTOR.replace(FRONT.format("body"), FRONT.format("loader"))}
-ROBOTS = (*MANY, "tractor", "paper_one", "paper_two", "three_leg_sphere", *TEXTS, *COARSEST)
+ROBOTS = (*MANY, "paper_one", "paper_two", "three_leg_sphere", *TEXTS, *COARSEST)
 
 
 def recipe_of(name):
@@ -74,9 +73,10 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name,
     assert not (safe & ~stands).any()
     assert not ((got["status"] == OK) & (truth["status"] == ROCKS)).any()
     short = truth["tip_angle"] - got["tip_angle"]
-    assert short[safe].min() > 0.0
-    # Lost beside the guard: rounding, of whole numbers too, and more next to a gap.
+    # Of the guard less than a third is used up, and rounding of whole numbers has one of its own.
     guard = robot.export.tables.guard
+    assert short[safe].min() > guard * 2.0 / 3.0
+    # Lost beside the guard: rounding, of whole numbers too, and more next to a gap.
     clear = stands & (truth["tip_angle"] > 2.0 * guard + 1e-4)
     assert (clear & ~safe).sum() <= (0.008 if whole else 0.001) * clear.sum()
     assert safe.sum() > 2000
@@ -91,19 +91,6 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name,
     for channel, loose in (("sdg", 5e-4 if whole else 4e-6), ("height", 6e-5 if whole else 4e-6)):
         off = np.abs(truth[channel] - got[channel])[safe]
         assert np.percentile(off, 99) < (loose + 0.3 * error) * size, channel
-
-
-@pytest.mark.parametrize("name", MANY)
-def test_no_boundary_point_that_tips_is_called_safe_with_a_third_of_the_guard(name):
-    # Two pairs of flippers alike: the exact definition's pieces lose more there than the guard.
-    recipe, rng = recipe_of(name), np.random.default_rng(9)
-    params = postures_of(recipe, rng, 80)
-    if name == "marv":
-        params[:40] = np.float32(2.8382704) * np.array([1, 1, -1, -1], np.float32)
-    g = boundary_points(recipe, params, rng, 60)
-    found = compared(Library(recipe, guard=3e-5), params, g)
-    assert (~found.stands).mean() > 0.2
-    assert (found.told <= found.true).all()
 
 
 def nearly_level(name):
