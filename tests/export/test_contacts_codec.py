@@ -18,7 +18,7 @@ from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import gallery_names, parse_recipe, robot_size_of
 from tests.fixtures.exports import host_of
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, rigid, rover, sweep_part, tripod
+from tests.fixtures.recipes import contact, link, parameter, rigid, rover, sweep_part, tripod
 
 AXLE = (0.0, 1.0, 0.0)
 
@@ -119,27 +119,9 @@ def test_a_guard_that_is_too_small_is_made_as_large_as_points_need():
 
 # Contacts that another one hides in every posture are not in the tables.
 
-HEAD = """
-[robot]
-name = "track"
-length_unit = "m"
-rock_angle = 30
-upright = 80
-[[robot.parameter]]
-name = "flipper"
-min = -90
-max = 90
-unit = "deg"
-[[robot.link]]
-name = "body"
-mass = 10
-[[robot.link]]
-name = "arm"
-parent = "body"
-mass = 1
-origin = [0.3, 0.0, -0.1]
-joint = { type = "revolute", axis = [0.0, 1.0, 0.0], parameter = "flipper" }
-"""
+HEAD = '[robot]\nname = "track"\nlength_unit = "m"\nrock_angle = 30\nupright = 80\n'
+HEAD += parameter("flipper", -90, 90) + link("body", mass=10)
+HEAD += link("arm", joint=("revolute", AXLE, "flipper"), mass=1, origin=[0.3, 0.0, -0.1])
 
 
 def track(more="", before=""):
@@ -147,16 +129,16 @@ def track(more="", before=""):
     parts = [("wheel", "body", ((-0.3, -0.1, 0.1), (0.3, -0.1, 0.1)))]
     parts += [("flipper", "arm", ((0.0, 0.0, 0.1), (0.25, 0.0, 0.05)))]
     wheels = [
-        contact(f"{name}{k}{s}", (x, y, z), radius, AXLE, link=link)
-        for name, link, places in parts
+        contact(f"{name}{k}{s}", (x, y, z), radius, AXLE, link=on)
+        for name, on, places in parts
         for k, (x, z, radius) in enumerate(places)
         for s, y in enumerate((-0.2, 0.2))
     ]
     return parse_recipe(HEAD + before + "".join(wheels) + more + sweep_part("flipper = 5"))
 
 
-def point(name, place, link="body"):
-    return contact(name, place, link=link)
+def point(name, place, on="body"):
+    return contact(name, place, link=on)
 
 
 # The corners of a box on the rims, and one beyond.
