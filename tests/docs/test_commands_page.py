@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from click.testing import CliRunner
 from lutgen.cli import main
 from tests.cli.test_alike import VERDICTS
 from tests.fixtures.places import ROOT
+from tests.fixtures.programs import run
 
 PAGE = "docs/guide/commands.md"
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
@@ -26,14 +26,6 @@ def folder(tmp_path, monkeypatch):
     programs = str(Path(sys.executable).parent)
     monkeypatch.setenv("PATH", os.pathsep.join([programs, os.environ["PATH"]]))
     return tmp_path
-
-
-def bash(script):
-    done = subprocess.run(
-        ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, f"{script}: {done.stderr}"
-    return done.stdout
 
 
 def test_the_table_of_verdicts_names_the_commands_that_have_one():
@@ -72,4 +64,4 @@ def test_bash_completes_after_the_line_of_the_page(folder):
     "$name" lutgen
     echo "${{COMPREPLY[@]}}"
     """
-    assert bash(script).split() == ["limits"]
+    assert run(folder, "bash", "-euc", script).split() == ["limits"]

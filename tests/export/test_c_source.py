@@ -184,8 +184,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path, monkeyp
         "  return 0;\n}\n"
     )
     compile_c([*C99, *STRICT, "main.c", "-o", "main"], tmp_path)
-    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
-    *found, last = done.stdout.splitlines()
+    *found, last = run(tmp_path, "./main").splitlines()
     # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.  Beyond the lower end steps go on
     # below 0, rounded away from it; beyond the upper end there are none: off range.
     inside = [round((v - low) / (high - low) * 32767) for v in values[2:6]]

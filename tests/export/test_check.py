@@ -1,6 +1,5 @@
 """smap_check: what was damaged is noticed, and what passes leads no read astray."""
 
-import subprocess
 import zlib
 from functools import cache
 
@@ -16,6 +15,7 @@ from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.length import part
 from tests.fixtures.noise import noise
 from tests.fixtures.places import MAPS
+from tests.fixtures.programs import run
 from tests.fixtures.recipes import rover, tripod
 
 OK, CORRUPT = 0, 5
@@ -153,15 +153,8 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name, fuzzer, tmp_path):
     (tmp_path / "cases").write_bytes(
         b"".join(len(one).to_bytes(4, "little") + one for one in cases)
     )
-    ran = subprocess.run(
-        [fuzzer(MAKERS[name][1]), tmp_path / "cases"],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert ran.stderr == ""
-    total, passed = map(int, ran.stdout.split())
+    program = str(fuzzer(MAKERS[name][1]))
+    total, passed = map(int, run(tmp_path, program, "cases").split())
     assert total == len(cases)
     # The first is whole, and some numbers may be any: the test is about those that pass.
     assert 1 < passed < total

@@ -13,6 +13,7 @@ from firmware_export import choose, exporter
 from firmware_export.grid import lookup
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.fits import few_points, untried
+from tests.fixtures.linkage import coded
 from tests.fixtures.programs import contents
 from tests.fixtures.recipes import contact, feet, rigid, steered, tripod
 
@@ -137,34 +138,18 @@ def test_what_means_nothing_is_refused_in_a_sentence(tmp_path):
         assert list(tmp_path.iterdir()) == []
 
 
-PLUGIN = """
-import numpy as np
-
-def postures(q):
-    feet = np.zeros((len(q), 3, 3))
-    feet[:, 0, 0] = 1.0 + q[:, 0]
-    feet[:, 1, :2] = (-1.0, 1.0)
-    feet[:, 2, :2] = (-1.0, -1.0)
-    return feet, np.tile([0.0, 0.0, 0.8], (len(q), 1))
-"""
-
-
 def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(tmp_path):
-    (tmp_path / "plugin_export.py").write_text(PLUGIN)
-    head = '[robot]\nname = "plugin"\nlength_unit = "m"\npython = "plugin_export:postures"\n'
-    parameter = '[[robot.parameter]]\nname = "reach"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
-    sweep = '[sweep]\nsamples = { reach = 3 }\n[sweep.gravity]\nchart = "cone"\nnodes = 3\n'
-    path = tmp_path / "plugin.toml"
-    path.write_text(head + parameter + sweep + 'max_tilt = 40.0\nchannels = ["sdg"]\n')
+    path = tmp_path / "turning.toml"
+    path.write_text(coded("round_about").text)
     with pytest.raises(RecipeError, match="--allow-python"):
         run(tmp_path / "out", path)
     found = run(tmp_path / "out", path, allow_python=True, codec="grid", max_error="5%")
     assert found["false_safe"] == 0
     found = run(tmp_path / "series", path, allow_python=True, codec="contacts", max_error="5%")
     assert found["false_safe"] == 0
-    lutgen.sweep(lutgen.load_recipe(path, allow_python=True), tmp_path / "plugin.h5")
+    lutgen.sweep(lutgen.load_recipe(path, allow_python=True), tmp_path / "turning.h5")
     with pytest.raises(InputError, match="given by code, which a map does not hold"):
-        run(tmp_path / "other", tmp_path / "plugin.h5", allow_python=True)
+        run(tmp_path / "other", tmp_path / "turning.h5", allow_python=True)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Reads in two phases: the same bits as at once, unsafe whatever goes in."""
 
 import platform
-import subprocess
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from firmware_export.truth import Model, slack
 from lutgen.recipe import forward, load_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.exports import host_of, rover_export, tripod_export
+from tests.fixtures.programs import run
 from tests.fixtures.queries import ODD
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
@@ -95,8 +95,7 @@ def test_what_a_pose_may_be_given_is_answered_and_nothing_of_it_is_safe(tmp_path
     (tmp_path / "main.c").write_text(text)
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wno-pedantic", "-fsanitize=address,undefined"]
     compile_c([*flags, "-Ie", "main.c", "e/tripod.c", "-o", "main"], tmp_path)
-    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=False)
-    assert (said.returncode, said.stdout, said.stderr) == (0, "0\n", "")
+    assert run(tmp_path, "./main") == "0\n"
 
 
 @pytest.mark.parametrize("name", MAKERS)
