@@ -12,6 +12,7 @@ from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
 from tests.fixtures.commands import run
+from tests.fixtures.pulled import BOX, LEVEL, pull, robot
 from tests.fixtures.recipes import feet, rigid
 
 # 2 long, 1.2 wide, 1 high, its com a little off the centre.
@@ -63,12 +64,17 @@ def test_four_change_sign_with_the_verdict_and_sdg_never_later(table):
     assert sdg[0] < 0.0 < found.values["tip_angle"][0]
 
 
-def test_a_posture_that_does_not_stand_on_level_ground_is_refused():
-    aside = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)])))
-    with pytest.raises(
-        InputError, match=r"does not stand or cannot tip \(got a tip angle of -24.1 deg"
+def test_what_does_not_stand_on_level_ground_or_knows_more_than_a_weight_is_refused():
+    for one, said in (
+        (
+            lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)]))),
+            r"does not stand or cannot tip \(got a tip angle of -24.1 deg",
+        ),
+        (robot(feet(BOX), pull((5, 0, 0))), "counts the weight and no other force"),
+        (robot(feet(BOX), rho=0.01), "metrics are those of one com"),
     ):
-        compare_metrics(Posture(aside, []), [[0, 0, -1]])
+        with pytest.raises(InputError, match=said):
+            compare_metrics(Posture(one, []), LEVEL)
 
 
 # The command

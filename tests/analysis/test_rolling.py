@@ -191,18 +191,6 @@ def ahead(*slopes):
     return tilted(np.arctan(slopes), 0.0)
 
 
-def test_a_six_wheeler_whose_middle_wheels_roll_may_hold_and_does_not_hold_for_certain():
-    # The middle wheels may carry 1 - tan t of the load, and need not carry any.
-    down = ahead(0.02, 0.3, 0.6, 0.69)
-    assert not holds(six(MIDDLE), down).any()
-    assert may_hold(six(MIDDLE), down).all()
-    assert not rolls(six(MIDDLE), down).any()
-    assert holds(six(()), down).all()
-    assert not may_hold(six(range(6)), down).any()
-    assert rolls(six(MIDDLE), ahead(0.71)).all()  # beyond 0.7 no load holds
-    assert holds(six(MIDDLE), [[0.0, 0.0, -1.0]]).all()
-
-
 def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_carry_it():
     # D_g is tan t x 0.5 ahead, so that they carry up to 1 - tan t: 0.7 (1 - tan t) = tan t.
     limit = 0.7 / 1.7
@@ -211,28 +199,6 @@ def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_car
     assert not holds(six(ENDS), ahead(0.02)).any()
     assert roll_limits(six(ENDS), [0.0]) == pytest.approx([math.atan(limit)], abs=2e-8)
     assert hold_limits(six(ENDS), [0.0])[0] < 2e-8
-
-
-def test_a_brake_in_the_line_of_two_wheels_may_hold_what_these_need_not_leave_to_it():
-    # Three contacts in a line along x, the middle one braked, and a foot aside.
-    where = [(0.5, 0.4), (0.0, 0.4), (-0.5, 0.4), (0.0, -0.4)]
-    robot = ""
-    for i, (x, y) in enumerate(where):
-        robot += contact(f"w{i}", (x, y, -0.4), 0.1, None)
-        robot += "" if i == 1 else "rolling = true\n"
-    posture = Posture(lutgen.parse_recipe(rigid(robot, head="friction = 0.8")), [])
-    facet = posture.stance.facets[0]
-    assert facet.touching == (*facet.contacts, 1)
-    # With the left side down by t the line carries (1 + 0.5 tan t / 0.4) / 2: all of it on the
-    # brake, below the com, or none.
-    for slope in (0.1, 0.5, 0.7):
-        direction = tilted(math.atan(slope), LEFT)
-        share = held_share(posture, facet, direction, "some")
-        assert share == pytest.approx((1.0 + 1.25 * slope) / 2.0, abs=1e-9)  # as far as it searches
-        assert held_share(posture, facet, direction) < 1e-9
-        found = diagnose(posture, direction)
-        assert found.normal_ranges["w1"] == pytest.approx((0.0, share), abs=1e-9)
-        assert found.forces_kind == "minimum norm"
 
 
 def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheels():

@@ -12,7 +12,6 @@ from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
@@ -147,12 +146,3 @@ def test_limits_over_all_postures_are_those_of_a_double_loop(text):
         == np.maximum(level_angles(robot, rows, "plane"), 0.0).tolist()
     )
     assert (found.weakest, found.strongest) == (int(np.argmin(alone)), int(np.argmax(alone)))
-
-
-def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused():
-    np.testing.assert_allclose(even_headings(8)[::2], np.radians([0.0, 90.0, 180.0, 270.0]))
-    for count in (0, -4, 6, 7):
-        with pytest.raises(InputError, match="multiple of 4"):
-            even_headings(count)
-    with pytest.raises(InputError, match="unknown convention"):
-        posture_limits(Posture(box(), []), "world")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from firmware_export.contacts.closed import closed_form
-from lutgen.analysis import Posture, tilt_limits, tilted
+from lutgen.analysis import tilt_limits, tilted
 from lutgen.analysis.weighed_recipe import corrected
 from lutgen.analysis.weighing import Tipping, Weighing, weigh
 from lutgen.errors import InputError, RecipeError
@@ -177,12 +177,3 @@ def test_an_export_knows_the_offset():
     robot = parse_recipe(corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED))))
     constant = closed_form(robot).com.terms[()] - closed_form(MODEL).com.terms[()]
     np.testing.assert_allclose(constant, SHIFT, atol=1e-8)
-
-
-def test_the_offset_counts_for_tilts():
-    text = MODEL.text.replace("[robot]  # a cart", "[robot]\ncom_offset = [0, 0.1, 0]")
-    robot = parse_recipe(text)
-    left, right = tilt_limits(robot, [0.0], [0.5 * math.pi, -0.5 * math.pi], "plane")
-    height = float(Posture(robot, [0.0]).stance.facets[0].height)
-    assert left == pytest.approx(math.atan2(0.3, height))
-    assert right == pytest.approx(math.atan2(0.5, height))

@@ -33,17 +33,6 @@ def risen(points, g):
     return np.asarray(np.sqrt((points**2).sum(-1)) - points @ g)
 
 
-def turned_over(start, stop, g):
-    """Return the greatest rise of the com while the robot turns about an axis, step by step."""
-    axis = unit(stop - start)
-    sense = math.copysign(1.0, float(np.cross(axis, -start) @ -g))
-    angle, arm = np.linspace(0.0, math.pi, 20_001)[:, None], -start
-    across, along = sense * np.cross(axis, arm), (axis @ arm) * axis
-    now = np.cos(angle) * (arm - along) + np.sin(angle) * across + along
-    heights = now @ -g
-    return float(heights.max() - heights[0])
-
-
 def of_standing(standing, g, seat):
     """Return the energy margin of a robot on a rest, by trying every place of every edge."""
     rests, least = standing.rests, math.inf
@@ -83,16 +72,6 @@ def test_that_of_a_box_is_worked_by_hand():
     aside = np.array([[0.0, math.sin(lean), -math.cos(lean)]])
     now = 0.3 * math.sin(lean) + 0.5 * math.cos(lean)
     assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
-
-
-def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step():
-    rng = np.random.default_rng(1)
-    for _ in range(12):
-        feet = BOX + np.array([*rng.uniform(-0.2, 0.2, 2), 0.0])
-        g = unit(np.array([*rng.uniform(-0.2, 0.2, 2), -1.0]))
-        rises = [turned_over(a, b, g) for a, b in zip(feet, np.roll(feet, -1, 0), strict=True)]
-        # 20,001 steps are right to (pi / 20,000)^2 / 8 of the radius.
-        assert energy(feet, g[None]).item() == pytest.approx(min(rises), abs=1e-8)
 
 
 def keel(high):

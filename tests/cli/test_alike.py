@@ -134,16 +134,6 @@ def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(command, ro
         assert (words in tips) is (code == 3)
 
 
-def test_metrics_compare_with_level_ground_so_that_what_tips_there_is_bad_input(robots):
-    assert run("metrics", "tips.toml", *AT).exit_code == 2
-
-
-def test_a_robot_that_tips_has_no_wheels_to_speak_of_whether_or_not_they_slip(robots):
-    # Sideways is what the wheel cannot do.
-    for name, code in (("stands", 1), ("tips", 3)):
-        assert run("wheels", f"{name}.toml", *AT, "--velocity", "0,1").exit_code == code
-
-
 def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path):
     for name in ("odd", r"a\nb\u001b[31m"):
         path = tmp_path / "odd.toml"

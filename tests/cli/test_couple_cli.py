@@ -99,16 +99,6 @@ def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written():
     assert report["coupled"]["hips"] == {HIPS[0]: -1.0, HIPS[2]: -1.0, HIPS[3]: 1.0}
 
 
-def test_of_a_group_alone_a_grouping_is_proposed_and_the_rest_is_held():
-    report = imported("--couple", "front_legs")
-    assert {name: len(joints) for name, joints in report["coupled"].items()} == {
-        "hip": 2,
-        "thigh": 2,
-        "knee": 2,
-    }
-    assert any(text.startswith("joints RL_hip_joint") for text in report["left_out"])
-
-
 def test_named_ones_independent_ones_and_proposals_go_together():
     report = imported(
         "-j", "FL_knee_joint", "--couple", "hips=FL_hip_joint,-FR_hip_joint", "--couple", "auto"

@@ -98,29 +98,6 @@ def test_every_limit_is_printed_rounded_down(tripod_path):
         assert 0.0 <= Decimal(math.degrees(value)) - Decimal(report[key]) < Decimal("1.01e-10")
 
 
-def test_body_tilt_and_ground_tilt_are_two_numbers_and_say_whether_sliding_is_in_them():
-    # Bent so little that it rocks on the left and is caught there.
-    robot = (MAPS / "articulated.toml", "-p", "steer=10", "-p", "roll=5")
-    report, text = data(*robot), good(*robot)
-    rows = {row["name"]: row for row in report["limits"]}
-    assert rows["left side down"]["tilt_deg"] > rows["left side down"]["ground_tilt_deg"] + 5.0
-    assert rows["right side down"]["ground_contacts"] == ["front_right", "rear_right"]
-    # It slides (friction 0.7) before it would tip over in the worst heading.
-    assert report["ground_sliding_included"] is True
-    assert report["guaranteed_ground_tilt_deg"] == pytest.approx(math.degrees(math.atan(0.7)))
-    assert (
-        45.0 < report["guaranteed_ground_tip_deg"] < report["worst_ground_tilt_deg"] + 1e-9 < 46.0
-    )
-    assert report["guaranteed_body_tilt_deg"] > report["guaranteed_ground_tip_deg"] + 0.01
-    assert (
-        "ground tilt in every heading: 34.99 deg (sliding included; tipping over alone 45.2" in text
-    )
-    assert "body tilt in every heading: 45.26 deg (tipping over; sliding not included)" in text
-    assert "worst on the ground, 97.4 deg" in text
-    without = good(MAPS / "paper_two.toml")
-    assert without.splitlines()[-1].endswith("sliding not included, friction is not known)")
-
-
 def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path):
     path = tmp_path / "cart.toml"
     wheels = [

@@ -11,7 +11,6 @@ import lutgen
 from lutgen.files import is_ours
 from lutgen.mapping.compute import Computer
 from tests.fixtures.commands import data, good, run
-from tests.fixtures.places import VECTORS
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 MINE = b"my thesis"
@@ -142,25 +141,3 @@ def test_figures_and_films_of_lutgen_alone_are_replaced():
     run(*drive, "-o", "a.csv")
     run(*drive, "-o", "a.csv")
     refused("a.csv", *drive, "-p", "swing=1", "-o", "a.csv")
-
-
-def test_an_import_leaves_alone_what_was_edited_by_hand():
-    shutil.copy(VECTORS / "rover.urdf", "robot.urdf")
-    command = ("import", "robot.urdf", "-o", "rover.toml")
-    for _ in range(2):
-        good(*command)
-    made = Path("rover.toml").read_text(encoding="utf-8")
-    Path("rover.toml").write_text(f"{made}# mine\n", encoding="utf-8")
-    refused("rover.toml", *command)
-    assert "--merge" in run(*command).stderr
-    good(*command, "--merge")
-    assert Path("rover.toml").read_text(encoding="utf-8").endswith("# mine\n")
-    good(*command, "--force")
-    assert Path("rover.toml").read_text(encoding="utf-8") == made
-
-
-def test_a_report_refuses_a_page_of_somebody_else_before_it_computes():
-    Path("out").mkdir()
-    Path("out/paper.html").write_bytes(MINE)
-    assert run("paper", "-o", "out").exit_code == 2
-    assert [path.name for path in Path("out").iterdir()] == ["paper.html"]

@@ -65,15 +65,6 @@ def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possib
     good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
 
 
-def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path):
-    path = tmp_path / "steered.toml"
-    wheel = f'[[robot.wheel]]\ncontact = "P1"\nsteered = true\n{AXLE}'
-    path.write_text(rigid(CART + wheel, name="steered"))
-    (one,) = data("wheels", path, "--velocity", "-1,1")["wheels"]
-    assert one["steering_deg"] == pytest.approx(-45.0)
-    assert one["speed_rad_s"] == pytest.approx(-10.0 * math.sqrt(2.0))
-
-
 def test_parameters_and_gravity_choose_the_posture_and_its_ground():
     recipe = MAPS / "paper_two.toml"
     report = data(

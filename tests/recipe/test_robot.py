@@ -1,7 +1,6 @@
 """Forward kinematics against hand-worked places and an independent matrix oracle."""
 
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -195,29 +194,3 @@ def test_absolem_has_its_published_mass_and_com_and_flippers_that_rise():
     assert heights[0] == pytest.approx(0.0195, abs=1e-15)
     assert heights[1] == pytest.approx(np.where(front, 0.3495, 0.0195), abs=1e-15)
     assert heights[2] == pytest.approx(np.where(front, 0.0195, 0.3495), abs=1e-15)
-
-
-def test_a_robot_given_by_code_is_shifted_to_its_com(tmp_path):
-    (tmp_path / "stool.py").write_text(
-        "import numpy as np\n"
-        "def feet(q):\n"
-        "    contacts = np.zeros((len(q), 3, 3))\n"
-        "    contacts[:, 0, 0] = q[:, 0]\n"
-        "    contacts[q[:, 0] > 8.0] = np.nan\n"
-        "    return contacts[: 7], np.ones((len(q), 3))\n"
-    )
-    head = '[robot]\nname = "stool"\nlength_unit = "m"\npython = "stool:feet"\n'
-    parameter = '[[robot.parameter]]\nname = "x"\nmin = 0\nmax = 2\nunit = "m"\n'
-    text = f"{head}{parameter}{sweep_part('x = 2')}"
-    try:
-        recipe = parse_recipe(text, str(tmp_path / "stool.toml"), allow_python=True)
-    finally:
-        sys.modules.pop("stool", None)
-    result = forward(recipe, [[5.0], [6.0]])
-    assert result.centres[:, 0].tolist() == [[4.0, -1.0, -1.0], [5.0, -1.0, -1.0]]
-    assert result.com.tolist() == [[1.0] * 3] * 2
-    assert not result.axes.any()
-    with pytest.raises(InputError, match=r"must return contacts \(8, 3, 3\)"):
-        forward(recipe, np.zeros((8, 1)))
-    with pytest.raises(InputError, match="must return finite numbers"):
-        forward(recipe, [[9.0]])

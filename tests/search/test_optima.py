@@ -107,23 +107,6 @@ def test_what_makes_no_sense_is_refused(two):
         lutgen.optimum(two, [0, 0, math.nan])
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_the_evaluations_are_those_made(monkeypatch, two, method):
-    counted = [0]
-    cost = Objective._cost
-
-    def counting(self, rows, down):
-        counted[0] += len(rows)
-        return np.asarray(cost(self, rows, down))
-
-    monkeypatch.setattr(Objective, "_cost", counting)
-    # The ranges are no part of the method: without them nothing else is evaluated.
-    monkeypatch.setattr("lutgen.search.optima.acceptable_range", lambda *_: np.zeros((2, 2)))
-    found = lutgen.optimum(two, LEVEL, method)
-    assert found.evaluations == counted[0] > 0
-    assert found.trace[-1].evaluations == counted[0]
-
-
 def test_the_value_is_that_of_the_parameters_returned():
     recipe = lutgen.parse_recipe(tripod())
     for method in METHODS:

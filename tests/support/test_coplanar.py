@@ -33,36 +33,6 @@ def points(*feet):
     return np.concatenate([np.asarray(one, float) for one in feet])
 
 
-@pytest.mark.parametrize("family", EXACT)
-def test_the_order_of_the_contacts_changes_no_reading(family):
-    rng = np.random.default_rng(1)
-    stands = 0.0
-    for seed in range(40):
-        rows, g = exact(family, np.random.default_rng(seed)), below(rng, 60)
-        first = read(rows, g)
-        # 1e-6 of noise turns a plane by less than 1e-5, and which triangles it is made of is free.
-        same = 1e-5 if family == "all but flat" else 1e-11
-        clear = np.abs(first["tip_angle"]) > same
-        for _ in range(4):
-            other = read(rows[rng.permutation(len(rows))], g)
-            assert (other["status"] == first["status"])[clear].all()
-            inside = clear & (first["status"] != TIPS)
-            for name in CHANNELS[1:]:
-                np.testing.assert_allclose(other[name][inside], first[name][inside], 0.0, same)
-        stands += (first["status"] != TIPS).mean() / 40
-    assert 0.1 < stands < 0.9
-
-
-@pytest.mark.parametrize("family", EXACT)
-def test_a_contact_given_twice_changes_nothing(family):
-    rng = np.random.default_rng(2)
-    for seed in range(20):
-        rows, g = exact(family, np.random.default_rng(seed)), below(rng, 60)
-        once, again = read(rows, g), read(np.concatenate([rows, rows[rng.integers(0, 4, 2)]]), g)
-        for name in CHANNELS:
-            np.testing.assert_allclose(again[name], once[name], 0.0, 1e-11)
-
-
 def test_without_limits_the_region_is_the_convex_cone_of_the_contacts():
     rng = np.random.default_rng(3)
     stands = asked = 0

@@ -12,7 +12,7 @@ from lutgen.recipe import parse_recipe
 from lutgen.support import acceptance, empty_region, stand
 from lutgen.support.table import FACETS
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
-from tests.fixtures.recipes import contact, rigid, sweep_part
+from tests.fixtures.recipes import contact, rigid
 from tests.oracles.standing import facets_of
 from tests.support.postures import DISC, FAMILIES, below, drawn, limits_of, rows_of
 
@@ -145,38 +145,6 @@ def test_a_sole_of_many_wheels_stands_until_gravity_passes_the_last_one(count, s
     assert tilts[safe].max() == pytest.approx(limit, abs=0.06)
     # Let go between two facets that are 3 mm wide it may have the energy to go on.
     assert safe[tilts <= limit].mean() > 0.9
-
-
-def track(wheels):
-    """Return a recipe of a car whose front wheels of one size stand in a row on a link."""
-    text = "".join(
-        contact(f"{name}{side}{k}", (x, y, -0.1), 0.1, (0, 1, 0), link)
-        for side, y in (("left", 0.3), ("right", -0.3))
-        for name, link, places in (("front", "flipper", wheels), ("rear", "body", (-0.5,)))
-        for k, x in enumerate(places)
-    )
-    return (
-        '[robot]\nname = "track"\nlength_unit = "m"\n'
-        '[[robot.parameter]]\nname = "pitch"\nmin = -180\nmax = 180\nunit = "deg"\n'
-        '[[robot.link]]\nname = "body"\nmass = 5\ncom = [0, 0, 0.1]\n'
-        '[[robot.link]]\nname = "flipper"\nparent = "body"\norigin = [0.4, 0, 0]\n'
-        'joint = { type = "revolute", axis = [0, 1, 0], parameter = "pitch" }\n'
-        + text
-        + sweep_part("pitch = 2")
-    )
-
-
-def test_wheels_of_one_size_in_a_row_carry_as_the_outer_two_of_them():
-    rng = np.random.default_rng(2)
-    pitch = rng.uniform(-math.pi, math.pi, (3000, 1))
-    g = rng.normal(size=(3000, 3)) - (0.0, 0.0, 1.5)
-    wanted = ("tip_angle", "status")
-    whole = evaluate_each(parse_recipe(track((0.0, 0.21, 0.37, 0.6))), pitch, g, wanted)
-    outer = evaluate_each(parse_recipe(track((0.0, 0.6))), pitch, g, wanted)
-    assert (whole["status"] == outer["status"]).mean() > 0.999
-    assert 0.2 < (outer["status"] == STANDS).mean() < 0.9
-    both = (whole["status"] == STANDS) & (outer["status"] == STANDS)
-    assert np.abs(whole["tip_angle"] - outer["tip_angle"])[both].max() < 1e-6
 
 
 def test_no_ray_slips_between_two_rests_that_rounding_tilts():

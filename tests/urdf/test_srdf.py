@@ -95,20 +95,6 @@ def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder):
     assert report["com"] == pytest.approx([(x + 0.5 * 0.3) / total, 0.0, z / total], abs=1e-15)
 
 
-def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder):
-    sole = '<collision><origin xyz="0 0 -0.3"/><geometry><mesh filename="f.dae"/></geometry>'
-    ball = collision('sphere radius="0.02"', "0 0 -0.3")
-    text = quadruped()
-    assert text.count(ball) == 4
-    Path("dog.urdf").write_text(text.replace(ball, f"{sole}</collision>"))
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--force")
-    assert result.exit_code == 2
-    assert "(got lf_foot, rf_foot, lh_foot, rh_foot: f.dae: there is no such file)" in result.stderr
-    assert "were not understood" in result.stderr
-    points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
-    good("import", "dog.urdf", "-o", "dog.toml", "--force", *points)
-
-
 def test_what_the_robot_would_lie_on_is_named(folder):
     keel = link("keel", inside=collision('box size="0.1 0.1 1.1"'))
     mount = joint("keel_mount", "fixed", "base", "keel")

@@ -171,15 +171,3 @@ def test_options_that_say_nothing_are_refused(arguments, said, tmp_path):
     out = tmp_path / "robot.toml"
     result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
     assert (result.exit_code, said in result.stderr) == (2, True)
-
-
-def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path):
-    file = tmp_path / "robot.urdf"
-    file.write_text(
-        '<robot name="a"><link name="base"><inertial><mass value="1"/></inertial><collision>'
-        '<geometry><mesh filename="package://a/b.dae"/></geometry></collision></link></robot>'
-    )
-    result = run("import", file, "-o", tmp_path / "robot.toml")
-    assert result.exit_code == 2
-    why = "base: package 'a' was not found; give --package a=DIR"
-    assert f"points on those whose shapes were not understood ({why})" in result.stderr
