@@ -47,20 +47,6 @@ def car():
     return robot(points, front + wheel("P3", radius=0.2) + wheel("P4", radius=0.2))
 
 
-def test_a_car_steers_by_ackermann():
-    # The turning centre is on the rear axle, 2 to the left; w = 0.5.
-    motion = wheel_speeds(Posture(car(), []), (1.0, 0.3), 0.5)
-    assert motion.possible
-    left, right = math.atan2(1.5, 1.6), math.atan2(1.5, 2.4)
-    steering = [w.steering for w in motion.wheels]
-    assert steering[:2] == pytest.approx([left, right], abs=ROUNDING)
-    assert steering[2:] == [None, None]
-    radii = [math.hypot(1.5, 1.6), math.hypot(1.5, 2.4), 1.6, 2.4]
-    assert speeds(motion) == pytest.approx([0.5 * r / 0.2 for r in radii], rel=ROUNDING)
-    assert motion.structure.category == "2 DoF, steered"
-    assert (motion.structure.mobility, motion.structure.steerability) == (1, 1)
-
-
 def test_omniwheels_and_mecanum_wheels_obey_the_matrices_of_textbooks():
     angles = np.radians([30.0, 150.0, 270.0])
     inward = [(-math.cos(a), -math.sin(a), 0.0) for a in angles]

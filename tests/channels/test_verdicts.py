@@ -1,11 +1,7 @@
 """Verdicts of a sweep against `evaluate`, at every node."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
@@ -13,12 +9,13 @@ from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan
 from lutgen.chart import Chart
-from lutgen.cli import main
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import start_recipe
 from lutgen.support import acceptance, pack
+from tests.fixtures.commands import data, stdout
+from tests.fixtures.places import MAPS
 
-GALLERY = sorted((Path(__file__).parents[2] / "maps").glob("*.toml"))
+GALLERY = sorted(MAPS.glob("*.toml"))
 LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
 TIP = CHANNELS.index("tip_angle")
 
@@ -171,25 +168,18 @@ def test_a_map_says_that_a_robot_tips_as_its_recipe_does(tmp_path, text, posture
     recipe.write_text(text)
     lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
     for source in (recipe, stability_map):
-        run = CliRunner().invoke(main, ["eval", str(source), *posture, "-g", gravity, "--json"])
-        assert run.exit_code == 3, run.output
-        assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
+        found = data("eval", source, *posture, "-g", gravity, code=3)
+        assert found["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
 
 
 EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
 
 
-@pytest.mark.parametrize("command", ["eval", "limits", "sweep"])
-def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path, command):
+def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path):
     recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
     recipe.write_text(EDGE)
-    if command == "limits":
-        run = CliRunner().invoke(main, ["limits", str(recipe)])
-        assert "tips over on level ground" not in run.output
-        return
-    if command == "sweep":
-        lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
-    source = recipe if command == "eval" else stability_map
-    run = CliRunner().invoke(main, ["eval", str(source), "-g", "0,0,-1", "--json"])
-    assert run.exit_code == 0, run.output
-    assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(0.0, abs=1e-6)
+    lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    for source in (recipe, stability_map):
+        found = data("eval", source, "-g", "0,0,-1")
+        assert found["tip_angle_deg"] == pytest.approx(0.0, abs=1e-6)
+    assert "tips over on level ground" not in stdout("limits", recipe)

@@ -99,16 +99,6 @@ def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written():
     assert report["coupled"]["hips"] == {HIPS[0]: -1.0, HIPS[2]: -1.0, HIPS[3]: 1.0}
 
 
-def test_named_ones_independent_ones_and_proposals_go_together():
-    report = imported(
-        "-j", "FL_knee_joint", "--couple", "hips=FL_hip_joint,-FR_hip_joint", "--couple", "auto"
-    )
-    assert report["parameters"] == ["hips", "thigh", "FL_knee_joint", "knee", "hip"]
-    assert len(report["coupled"]["thigh"]) == 4
-    assert len(report["coupled"]["knee"]) == 3
-    assert [*report["coupled"]["hip"]] == ["RL_hip_joint", "RR_hip_joint"]
-
-
 def test_where_even_groups_are_too_many_the_greatest_are_parameters():
     # Eight joints on each side of a row, heavier from one to the next: 16 joints in 8 pairs.
     foot = "".join(

@@ -51,13 +51,6 @@ def test_the_json_equals_what_python_returns_in_degrees():
         assert entry["value_deg"] == math.degrees(found.params[i])
         assert entry["delta_deg"] == math.degrees(found.delta[i])
         assert entry["acceptable_deg"] == [math.degrees(x) for x in found.acceptable[i]]
-        # At the ends of its range the objective is at the limit, or the range at its bound.
-        for end in found.acceptable[i]:
-            params = found.params.copy()
-            params[i] = end
-            angle = lutgen.evaluate(recipe, [params], [0.2, 0.1, -1], ("tip_angle",))["tip_angle"]
-            at_limit = abs(math.degrees(angle[0, 0]) - 20.0) < 1e-6
-            assert at_limit or math.degrees(end) in (0.0, 50.0)
 
 
 def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path):

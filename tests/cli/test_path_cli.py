@@ -11,7 +11,7 @@ from lutgen.search.driving import drive
 from lutgen.search.terrain import paper_path, turned
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid, tripod
+from tests.fixtures.recipes import tripod
 
 NOMINAL = 30.963756532073525
 RECIPE = MAPS / "paper_two.toml"
@@ -111,13 +111,6 @@ def test_a_terrain_of_ones_own_is_read_and_limits_are_in_the_table(tmp_path):
     assert (tmp_path / "run.svg").read_bytes().startswith(b"<?xml")
     names = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
     assert {"reach_m", "swing_deg", "reach_wanted_m", "swing_wanted_deg"} <= set(names)
-
-
-def test_a_rigid_robot_needs_no_control(tmp_path):
-    file = tmp_path / "rigid.toml"
-    file.write_text(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
-    assert "--no-control" in run(file).stderr
-    assert "fixed shape" in good(file, "--no-control")
 
 
 def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body():

@@ -86,22 +86,6 @@ def test_links_masses_and_contacts_come_from_the_description(path):
     assert np.allclose(places, want, rtol=0, atol=1e-15)
 
 
-def test_contacts_with_a_position_name_links_of_the_description():
-    points = "".join(contact(f"P{i}", (0.1 * i, i % 2, 0.0), link="mast") for i in range(3))
-    recipe = lutgen.parse_recipe(recipe_text(contacts=points), urdf=ROVER)
-    assert {c.link for c in recipe.contacts} == {"mast"}
-    low, high = forward(recipe, [[0.0, 0.1], [0.0, 0.4]]).centres[:, 0, 2]
-    # The mast's contacts go up by 0.3 m and the com by 2 / 26 of it.
-    assert high - low == pytest.approx(0.3 * 24 / 26)
-
-
-def test_joints_that_are_no_parameters_stand_at_their_limit_nearest_to_zero():
-    text = recipe_text(parameters=ARMS, sweep=ARMS_ONLY)
-    held = forward(lutgen.parse_recipe(text, urdf=ROVER), [[0.3]])
-    free = forward(lutgen.parse_recipe(recipe_text(), urdf=ROVER), [[0.3, 0.1]])
-    assert np.allclose(held.centres, free.centres, rtol=0, atol=1e-15)
-
-
 def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robot():
     imported = import_urdf(parse_urdf(ROVER), joints=("arms", "lift")).recipe
     named = lutgen.parse_recipe(recipe_text(), urdf=ROVER)

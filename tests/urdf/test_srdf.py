@@ -8,11 +8,10 @@ import pytest
 
 import lutgen
 from lutgen.errors import InputError, RecipeError
-from lutgen.urdf.read import load_urdf, parse_urdf
+from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.srdf import joint_groups, joint_values, load_srdf, srdf_beside
 from tests.fixtures.commands import data, run
 from tests.fixtures.commands import stdout as good
-from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, robot
 
 LEGS = ("lf", "rf", "lh", "rh")
@@ -251,17 +250,6 @@ STAR = (
     joint("slide", "prismatic", "base", "l_slide"),
     joint("weld", "fixed", "base", "l_weld"),
 )
-
-
-def test_groups_have_the_joints_of_chains_links_joints_and_other_groups():
-    described = load_urdf(VECTORS / "quadruped.urdf")
-    found = load_srdf(VECTORS / "quadruped.srdf", described).groups
-    assert found["FL_leg"] == ("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint")
-    assert found["front_legs"] == (
-        *("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint"),
-        *("FR_hip_joint", "FR_thigh_joint", "FR_knee_joint"),
-    )
-    assert [name[:2] for name in found["knees"]] == ["FL", "FR", "RL", "RR"]
 
 
 def test_groups_in_a_circle_unknown_parts_and_broken_chains_add_nothing():
