@@ -21,7 +21,7 @@ ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
 BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
 # A sledge: flat under the com for 0.2 m to both ends, then rising by 12 deg for another 0.5 m.
 FLAT, RISES, HIGH, WIDE, BEND = 0.2, 0.5, 0.5, 0.6, math.radians(12.0)
-NAMES = pytest.mark.parametrize("name", ["bowls", "absolem", "articulated", "marv"])
+NAMES = pytest.mark.parametrize("name", ["bowls", "articulated", "marv"])
 
 
 def sledge(rock_angle, flat=FLAT, rises=RISES, bend=BEND):

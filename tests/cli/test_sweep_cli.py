@@ -128,7 +128,7 @@ def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed():
 
 
 def test_figures_and_films_of_lutgen_alone_are_replaced():
-    drive = ("path", "r.toml", "--points", "3", "--no-control")
+    drive = ("path", "r.toml", "--points", "2", "--no-control")
     figure = ("plot", "r.toml", "--kind", "robot")
     for command, target, option in ((figure, "a.png", "-o"), (drive, "a.gif", "--animate")):
         Path(target).write_bytes(MINE)

@@ -126,17 +126,6 @@ def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None
     assert run.channels["sdg"][3] < 0.001
 
 
-def test_an_unlimited_rate_is_no_limit_and_no_rate_is_no_control(robot: Recipe) -> None:
-    path = paper_path(15)
-    free = drive(robot, path, params0=NOMINAL)
-    endless = {"alpha": math.inf, "gamma": math.inf}
-    run = drive(robot, path, params0=NOMINAL, rates=endless, speed=1.0)
-    np.testing.assert_array_equal(run.params, free.params)
-    run = drive(robot, path, params0=NOMINAL, rates={"alpha": 0, "gamma": 0}, speed=1.0)
-    assert (run.params == NOMINAL).all()
-    np.testing.assert_array_equal(run.wanted, free.params)
-
-
 # Turning
 
 

@@ -10,11 +10,17 @@ from scipy.optimize import nnls
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import FACETS, SHOWN, acceptance, empty_region, pack, stand
+from lutgen.support import acceptance, pack
 from tests.fixtures.odd_robots import odd_robot
 from tests.oracles.primitives import unit
-from tests.oracles.standing import facets_of
-from tests.support.postures import EXACT, below, drawn, exact, limits_of
+from tests.support.postures import (
+    EXACT,
+    assert_every_facet_once,
+    below,
+    drawn,
+    exact,
+    limits_of,
+)
 
 TIPS = 2
 CHANNELS = ("status", "tip_angle", "sdg", "height")
@@ -163,12 +169,4 @@ def test_facets_of_robots_with_contacts_in_a_row_are_those_of_the_oracle(seed):
     for params in (middle, ends):
         where, (radius, kind) = forward(recipe, params), radii_and_kinds(recipe)
         (rows,) = pack(where.centres, where.axes, radius, kind)
-        region = empty_region(len(rows))
-        stand(region, rows, acceptance(math.radians(80.0), None))
-        down = region.facet["normal"][: region.counts[FACETS]]
-        wanted = [one.normal for one in facets_of(region.shown[: region.counts[SHOWN]].copy())]
-        wanted = [normal for normal in wanted if normal[2] < -0.2]
-        down = down[down[:, 2] < -0.2]
-        assert len(down) == len(wanted) > 0
-        for normal in wanted:
-            assert np.linalg.norm(down - normal, axis=1).min() < 1e-6
+        assert_every_facet_once(rows, 78.0)

@@ -9,12 +9,18 @@ import lutgen
 from lutgen.channels import evaluate_each
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import parse_recipe
-from lutgen.support import acceptance, empty_region, stand
-from lutgen.support.table import FACETS
+from lutgen.support import acceptance
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.recipes import contact, rigid
-from tests.oracles.standing import facets_of
-from tests.support.postures import DISC, FAMILIES, below, drawn, limits_of, rows_of
+from tests.support.postures import (
+    DISC,
+    FAMILIES,
+    assert_every_facet_once,
+    below,
+    drawn,
+    limits_of,
+    rows_of,
+)
 
 STANDS, TIPS = 0, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
@@ -97,27 +103,13 @@ def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once():
     numbers = np.array(LEANING.split(), float).reshape(4, 5)
     axis = np.stack([0.0 * numbers[:, 4], np.full(4, 0.6448265472399961), numbers[:, 4]], -1)
     rows = rows_of(numbers[:, :3], axis, numbers[:, 3], DISC)
-    truth = [f for f in facets_of(rows) if -f.normal[2] > 0.0]
-    region = empty_region(4)
-    stand(region, rows, acceptance(math.radians(89.9), 0.5))
-    found = [f["normal"] for f in region.facet[: region.counts[FACETS]] if -f["normal"][2] > 0.0]
-    assert len(truth) == len(found) > 1
-    for f in truth:
-        assert min(float(np.abs(n - f.normal).max()) for n in found) < 1e-9
+    assert_every_facet_once(rows, 89.9)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family):
     for seed in range(100, 112):
-        rows = drawn(family, np.random.default_rng(seed))
-        truth = [f for f in facets_of(rows) if -f.normal[2] > math.cos(math.radians(80.0))]
-        region = empty_region(len(rows))
-        stand(region, rows, acceptance(math.radians(80.0), 0.5))
-        normals = region.facet[: region.counts[FACETS]]["normal"]
-        found = normals[-normals[:, 2] > math.cos(math.radians(80.0))]
-        assert len(found) == len(truth) > 0
-        for f in truth:
-            assert np.abs(found - f.normal).max(axis=1).min() < 1e-8
+        assert_every_facet_once(drawn(family, np.random.default_rng(seed)), 80.0)
 
 
 def sole(count, step):

@@ -143,7 +143,7 @@ def test_tip_angle_changes_by_no_more_than_gravity_turns(contacts, seed, exponen
     assert (np.abs(after - before) <= turned + 3e-8).all()
 
 
-@settings(bounded, max_examples=300)
+@settings(bounded, max_examples=150)
 @given(st.one_of(whole_robots, real_robots), seeds, st.booleans())
 def test_all_channels_tell_the_same_verdict(contacts, seed, limited):
     edges = unit(contacts + np.roll(contacts, 1, axis=0) + 1e-9)
