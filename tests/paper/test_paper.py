@@ -11,7 +11,7 @@ from lutgen.cli import main
 from lutgen.mapping import load_map
 from lutgen.paper import report as report_module
 from lutgen.paper.model import NOMINAL, RADIUS, TABLE, paper_recipe
-from lutgen.paper.simulations import first_simulation, second_simulation, table_one, timed_map
+from lutgen.paper.simulations import timed_map
 from lutgen.paper.tables import Table
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import load_recipe
@@ -37,8 +37,8 @@ def test_at_the_nominal_shape_the_nearest_edge_is_at_10_and_a_wheel_at_20():
     assert np.hypot(middle[:, 0], middle[:, 1]) == pytest.approx(10.0)
 
 
-def test_simulation_1_has_its_least_stability_factor_at_the_nominal_angle():
-    first = first_simulation()
+def test_simulation_1_has_its_least_stability_factor_at_the_nominal_angle(results):
+    first = results.first
     for name in BOTH:
         # A thousandth of the printed digit; Nelder-Mead stops at 1e-4 deg.
         assert np.degrees(first.best[name].params[0]) == pytest.approx(30.96376, abs=1e-4)
@@ -47,10 +47,9 @@ def test_simulation_1_has_its_least_stability_factor_at_the_nominal_angle():
         assert (np.diff(first.height[name]) > 0.0).all()
 
 
-def test_the_searching_algorithm_makes_the_papers_six_steps():
-    second = second_simulation()
+def test_the_searching_algorithm_makes_the_papers_six_steps(results):
     for name in BOTH:
-        trace = second[name, "search"].trace
+        trace = results.second[name, "search"].trace
         got = np.degrees([step.params for step in trace])
         # A node is a sum of a few numbers in deg, turned into rad and back.
         assert got == pytest.approx(
@@ -76,8 +75,8 @@ RESIDUALS = {
 }
 
 
-def test_table_1_is_met_within_the_known_residuals_and_not_better():
-    table, radius = table_one()
+def test_table_1_is_met_within_the_known_residuals_and_not_better(results):
+    table, radius = results.table, results.fitted_radius
     assert radius["body"] == pytest.approx(18.24, abs=0.01)
     assert radius["plane"] == pytest.approx(18.23, abs=0.01)
     for name, expected in RESIDUALS.items():

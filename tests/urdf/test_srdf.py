@@ -10,7 +10,7 @@ import lutgen
 from lutgen.errors import InputError, RecipeError
 from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.srdf import joint_groups, joint_values, load_srdf, srdf_beside
-from tests.fixtures.commands import data, run
+from tests.fixtures.commands import data
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.robots import collision, joint, link, robot
 
@@ -140,29 +140,6 @@ def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder):
     beyond = "joint lf_knee: at its limit, beyond which the posture is"
     assert beyond in imported()["left_out"]
     assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-2.5, abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--posture", "standin"), "did you mean 'standing'"),
-        (("--srdf", "none.srdf"), "there is no such file"),
-        (("-p", "lf_hipp=1"), "did you mean 'lf_hip'"),
-        (("-p", "lidar_mount=1"), "no such moving joint"),
-        (("-p", "lf_hip=90"), "goes from -85.9437 to 85.9437 deg"),
-        (("-p", "lf_hip=1", "-p", "lf_hip=2"), "is given twice"),
-        (("-p", "lf_hip"), "is no joint and value"),
-    ],
-)
-def test_postures_that_cannot_be_are_refused_in_a_sentence(folder, arguments, said):
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--force", *arguments)
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert not Path("dog.toml").exists()
-    # A posture is asked for only where there is an SRDF.
-    Path("dog.srdf").unlink()
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--posture", "standing")
-    assert (result.exit_code, "no SRDF file beside dog.urdf" in result.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(

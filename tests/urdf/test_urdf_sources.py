@@ -156,18 +156,3 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
             load_xacro(file)
         assert said in str(caught.value)
         assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--package", "a"), "write NAME=DIR"),
-        (("--package", "=."), "write NAME=DIR"),
-        (("--package", "a=/nowhere"), "is in no folder that there is"),
-        (("--arg", "a"), "write NAME=VALUE"),
-    ],
-)
-def test_options_that_say_nothing_are_refused(arguments, said, tmp_path):
-    out = tmp_path / "robot.toml"
-    result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
-    assert (result.exit_code, said in result.stderr) == (2, True)
