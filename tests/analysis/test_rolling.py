@@ -32,10 +32,10 @@ PLACES = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
 FRONT, REAR, ALL = (0, 1), (2, 3), (0, 1, 2, 3)
 
 
-def cart(rolling, friction=0.8, ball=(), toe=0.0):
-    """Return a recipe of four wheels; `toe` (rad) turns the left ones about the vertical."""
+def cart(rolling, friction=0.8, ball=(), toe=0.0, places=PLACES):
+    """Return a recipe of wheels; `toe` (rad) turns the left ones about the vertical."""
     wheels = ""
-    for i, (x, y) in enumerate(PLACES):
+    for i, (x, y) in enumerate(places):
         angle = toe if y > 0.0 else 0.0
         axis = None if i in ball else (-math.sin(angle), math.cos(angle), 0.0)
         wheels += contact(f"w{i}", (x, y, -0.4), 0.1, axis)
@@ -173,14 +173,9 @@ SIX = [(x, y) for x in (0.5, 0.0, -0.5) for y in (0.4, -0.4)]
 MIDDLE, ENDS = (2, 3), (0, 1, 4, 5)
 
 
-def six(rolling, friction=0.7, height=0.5):
+def six(rolling):
     """Return a six-wheeler."""
-    wheels = ""
-    for i, (x, y) in enumerate(SIX):
-        wheels += contact(f"w{i}", (x, y, 0.1 - height), 0.1, (0, 1, 0))
-        wheels += "rolling = true\n" if i in rolling else ""
-    head = "" if friction is None else f"friction = {friction}"
-    return Posture(lutgen.parse_recipe(rigid(wheels, head=head)), [])
+    return Posture(parsed(rolling, 0.7, places=SIX), [])
 
 
 def ahead(*slopes):
