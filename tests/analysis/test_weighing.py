@@ -11,6 +11,7 @@ from lutgen.analysis.weighed_recipe import corrected
 from lutgen.analysis.weighing import Tipping, Weighing, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
+from tests.fixtures.recipes import contact, sweep_part
 
 CORNERS = {"fl": (0.5, 0.4), "fr": (0.5, -0.4), "rl": (-0.5, 0.4), "rr": (-0.5, -0.4)}
 SHIFT = np.array([0.03, -0.02, 0.05])
@@ -20,19 +21,15 @@ LEVEL, SLOPED = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], [(0.1, 0.2, 0.7)]
 
 def cart(mass, com):
     """Return a cart with a load that is lifted forward; its masses are in the ratio of 5 to 1."""
-    contacts = "".join(
-        f'[[robot.contact]]\nname = "{name}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
-        for name, (x, y) in CORNERS.items()
-    )
     return parse_recipe(
         '[robot]  # a cart\nname = "cart"\nlength_unit = "m"\n'
         '[[robot.parameter]]\nname = "lift"\nmin = 0.0\nmax = 0.3\nunit = "m"\n'
         f'[[robot.link]]\nname = "body"\nmass = {mass / 1.2!r}\ncom = {[*map(float, com)]}\n'
         '[[robot.link]]\nname = "load"\nparent = "body"\norigin = [0, 0, 0.4]\n'
         'joint = { type = "prismatic", axis = [0.6, 0, 0.8], parameter = "lift" }\n'
-        f"mass = {mass / 6.0!r}\n{contacts}"
-        '[sweep]\nsamples = { lift = 3 }\n[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\n'
-        'nodes = 5\nchannels = ["sdg"]\n'
+        f"mass = {mass / 6.0!r}\n"
+        + "".join(contact(name, (x, y, -0.1)) for name, (x, y) in CORNERS.items())
+        + sweep_part("lift = 3", nodes=5)
     )
 
 

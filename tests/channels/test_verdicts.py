@@ -14,6 +14,7 @@ from lutgen.recipe import start_recipe
 from lutgen.support import acceptance, pack
 from tests.fixtures.commands import data, stdout
 from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
 
 GALLERY = sorted(MAPS.glob("*.toml"))
 LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
@@ -118,36 +119,16 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
 )
 def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(x, y, height, nodes):
     chart = Chart("cone", nodes, np.radians(60.0))
-    feet = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
-    tips, _ = tips_of_rows_and_exact(feet, chart, LIMITS["default"])
+    places = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
+    tips, _ = tips_of_rows_and_exact(places, chart, LIMITS["default"])
     u = chart.coords * height
     inside = (np.abs(u)[:, None] <= y) & (x[0] <= u) & (u <= x[1])
     np.testing.assert_array_equal(~tips[0], inside.ravel())
 
 
-BOX = (
-    """
-[robot]
-name = "box"
-length_unit = "m"
-[[robot.link]]
-name = "body"
-mass = 1.0
-com = [0.02, -0.01, 0.85]
-"""
-    + "".join(
-        f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
-        for i, (x, y) in enumerate([(-0.35, -0.1), (-0.35, 0.1), (0.35, -0.1), (0.35, 0.1)])
-    )
-    + """
-[sweep]
-channels = ["sdg", "tip_angle"]
-[sweep.gravity]
-chart = "cone"
-max_tilt = 60.0
-nodes = 9
-"""
-)
+BODY = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0.02, -0.01, 0.85]\n'
+FEET = feet([(x, y, -0.1) for x in (-0.35, 0.35) for y in (-0.1, 0.1)])
+BOX = rigid(BODY + FEET, nodes=9, max_tilt=60.0)
 
 
 @pytest.mark.parametrize(

@@ -157,37 +157,6 @@ def test_every_command_can_report_as_json_and_its_help_begins_with_an_example(na
     assert stdout(name, "--help") == stdout(name, "-h")
 
 
-def test_what_was_written_is_reported(place, tmp_path, monkeypatch):
-    recipe, target = place / "tripod.toml", tmp_path / "map.h5"
-    report = data("sweep", recipe, "-o", target)
-    assert report.pop("seconds") > 0.0
-    stability_map = lutgen.load_map(target)
-    digest = stability_map.recipe.digest
-    assert report == {
-        "robot": "tripod",
-        "digest": digest,
-        "map": str(target),
-        "nodes": stability_map.channel("sdg").size,
-        "channels": list(stability_map.channels),
-        "bytes": target.stat().st_size,
-    }
-    figure = tmp_path / "robot.svg"
-    assert data("plot", recipe, "-o", figure, "--kind", "robot") == {
-        "robot": "tripod",
-        "digest": digest,
-        "source": str(recipe),
-        "kind": "robot",
-        "figure": str(figure),
-        "bytes": figure.stat().st_size,
-    }
-    # In words a figure is the only answer.
-    assert stdout("plot", recipe, "-o", figure, "--kind", "robot") == ""
-    page = tmp_path / "paper.html"
-    monkeypatch.setattr("lutgen.paper.write_report", lambda folder, tell, force: page)
-    assert data("paper", "-o", tmp_path) == {"folder": str(tmp_path), "page": str(page)}
-    assert stdout("paper", "-o", tmp_path) == f"{page}\n"
-
-
 # help and start-up
 
 

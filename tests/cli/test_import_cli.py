@@ -128,19 +128,8 @@ def test_no_file_that_a_description_names_is_opened_unless_it_is_called_a_mesh(f
     assert names == {"a.urdf", "new"}
 
 
-XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
-<xacro:macro name="foot" params="x y">
-  <collision><origin xyz="${x} ${y * 0.5} -1"/><geometry><sphere radius="0.1"/></geometry>
-  </collision>
-</xacro:macro>
-<link name="base"><inertial><mass value="${1 + 1}"/></inertial>
-<xacro:foot x="1" y="1"/><xacro:foot x="1" y="-1"/><xacro:foot x="-1" y="0"/></link>
-</robot>"""
-
-
 def test_without_the_package_one_sentence_says_how_to_get_it(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "xacrodoc", None)
-    Path("robot.xacro").write_text(XACRO, encoding="utf-8")
-    result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
+    result = run("import", "-x", VECTORS / "xacro/robots/cart.xacro", "-o", "robot.toml")
     assert result.exit_code == 2
     assert "pip install lutgen[xacro]" in result.stderr

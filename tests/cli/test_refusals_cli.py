@@ -54,7 +54,7 @@ def place(tmp_path_factory):
         "odd.csv": "x;y;z\n0;0;0\n",
         "ditch.toml": DITCH,
         "bare.toml": "com = [0, 0, 1]\n",
-        "mine.toml": "mine",
+        **dict.fromkeys(("mine.toml", "mine.png", "mine.gif", "mine.csv", "mine.html"), "mine"),
     }.items():
         (folder / name).write_text(lines)
     for name in ("rover.urdf", "quadruped.urdf", "quadruped.srdf"):
@@ -93,6 +93,13 @@ REFUSED = """
 2 | sweep tripod.toml -o none/x.h5 | none/x.h5
 2 | sweep tripod.toml -o text.h5/x.h5 | text.h5/x.h5
 2 | sweep tripod.toml -o '' | names nothing
+2 | sweep tripod.toml -o tripod.toml | tripod.toml: is there already
+2 | sweep tripod.toml -o mine.png | mine.png: is there already, without a mark
+2 | plot two.toml --kind robot -o mine.png | mine.png: is there already, without a mark
+2 | limits two.toml -o mine.png | mine.png: is there already, without a mark
+2 | path two.toml --points 2 --animate mine.gif | mine.gif: is there already, without a mark
+2 | path two.toml --points 2 -o mine.csv | mine.csv: is there already
+2 | explore two.toml -o mine.html | mine.html: is there already, without a mark
 2 | sweep tripod.toml -o x.h5 --threads 0 | threads
 2 | sweep tripod.toml -o x.h5 --threads 2.5 | '2.5' is no whole number of plain digits
 2 | sweep tripod.toml -o x.h5 --engine gpu | gpu

@@ -125,19 +125,3 @@ def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed():
         refused(f"{name}.h5.part", "sweep", "r.toml", "-o", f"{name}.h5", *more)
     good("sweep", "r.toml", "-o", "c.h5", "--force")
     assert not Path("c.h5.part").exists()
-
-
-def test_figures_and_films_of_lutgen_alone_are_replaced():
-    drive = ("path", "r.toml", "--points", "2", "--no-control")
-    figure = ("plot", "r.toml", "--kind", "robot")
-    for command, target, option in ((figure, "a.png", "-o"), (drive, "a.gif", "--animate")):
-        Path(target).write_bytes(MINE)
-        refused(target, *command, option, target)
-        run(*command, option, target, "--force")
-        assert is_ours(target)
-        run(*command, option, target)
-        assert is_ours(target)
-    # A table of a path has no place for a mark.
-    run(*drive, "-o", "a.csv")
-    run(*drive, "-o", "a.csv")
-    refused("a.csv", *drive, "-p", "swing=1", "-o", "a.csv")
