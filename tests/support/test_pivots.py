@@ -139,7 +139,8 @@ def test_stops_change_no_verdict_and_two_axles_carry_nothing():
         lutgen.evaluate(one, NONE, down) for one in (tractor(0.5), lutgen.parse_recipe(stops))
     )
     assert free == stopped
-    rear = '[[robot.axle]]\nname = "rear"\npivot = [0, 0, 0.5]\ncontacts = ["rear_left", "rear_right"]\n'
+    rear = '[[robot.axle]]\nname = "rear"\npivot = [0, 0, 0.5]\n'
+    rear += 'contacts = ["rear_left", "rear_right"]\n'
     both = lutgen.evaluate(tractor(0.5, extra=rear), NONE, [[0, 0, -1]])
     assert both["tip_angle"][0, 0] == -math.pi
 
