@@ -1,8 +1,8 @@
 """The errata of the paper that lutgen computes: printed forms are wrong, its own right.
 
 A case returns what decides in three ways: by the form as printed, by lutgen, and by a way that
-knows neither.  Errata of algebra alone change with no code, and of forces, search and path the
-tests of those rooms have the right numbers.  The com is the body frame's origin.
+knows neither.  Errata of algebra alone change with no code, and of forces, search, path and
+Table 1 other tests have the right numbers.  The com is the body frame's origin.
 """
 
 import math
@@ -16,7 +16,6 @@ from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.analysis import heuristic_forces
-from lutgen.paper.model import DOWN, NOMINAL, TABLE, paper_recipe
 from tests.fixtures.places import ROOT
 
 ROWS = tomllib.loads((ROOT / "lutgen/paper/errata.toml").read_text())["erratum"]
@@ -76,20 +75,6 @@ def centre(contacts):
     return np.append(middle, slope @ middle) + contacts.mean(axis=0)
 
 
-def eq24(t):
-    """Return the projected area of a triangle as printed."""
-    (x1, y1), (x2, y2), (x3, y3) = t[:, :2]
-    return abs(x1 * (y2 - y3) + x2 * (y3 - y1) + x3 * (y1 - y2)) / 2.0
-
-
-def eq25_26(contacts):
-    """Return s_x and s_y by the fan of all contacts in the order in which they come."""
-    fan = [contacts[[0, i, i + 1]] for i in range(1, len(contacts) - 1)]
-    areas = np.array([eq24(t) for t in fan])
-    with np.errstate(invalid="ignore"):
-        return areas @ np.array([t[:, :2].mean(axis=0) for t in fan]) / areas.sum()
-
-
 def eq12(distances):
     """Return the shares of the load as printed."""
     total = distances.sum()
@@ -124,21 +109,6 @@ def leaving(contacts, gravity):
     if out.min() <= max(at[rate < 0.0].max(), 0.0):
         return []
     return [sorted(hull.simplices[out.argmin()])]
-
-
-def by_line(entry):
-    """Return |SD_g| of an entry of Table 1 by first order, scaled to that at 32 deg."""
-    angle = math.degrees(NOMINAL)
-    scale = TABLE[3].sdg / abs(TABLE[3].alpha - angle)
-    da, dg = entry.alpha - angle, entry.gamma - angle
-    return scale * math.sqrt(da * da + dg * dg - da * dg)
-
-
-def by_model(entry):
-    """Return the same by the reconstructed robot."""
-    params = np.radians([[one.alpha, one.gamma] for one in (entry, TABLE[3])])
-    found = lutgen.evaluate(paper_recipe(), params, DOWN[None], channels=("sdg",))["sdg"][:, 0]
-    return TABLE[3].sdg * found[0] / found[1]
 
 
 def line_or_ray(r):
@@ -182,30 +152,12 @@ def objective(r):
     yield tip_angle(high, foot(low))[0], tip_angle(low, foot(low))[0], truth
 
 
-def vertical_plane(r):
-    # With coordinates of few bits the projected area is 0 and not rounding noise.
-    wheels = np.round(r.P[:, [2, 0, 1]] * 1024.0) / 1024.0
-    wheels[:, 0] = wheels[0, 0]
-    down = wheels.mean(axis=0) + np.array([0.0, 0.5, 0.2])
-    at = pierced(wheels, down)
-    ours = sdg(wheels, down)
-    yield eq25_26(wheels)[0], ours, np.linalg.norm(at - wheels.mean(axis=0))
-
-
-def entry_at_30(r):
-    # Three digits of a reconstruction: the ratio of two entries is right to 3 %.
-    for reference in (by_line(TABLE[2]), by_model(TABLE[2])):
-        yield TABLE[2].sdg, TABLE[2].read_as, reference, 0.03 * TABLE[2].read_as
-
-
 CASES = {
     "text before Eq 3": line_or_ray,
     "text before Eq 3, point error and intersection error": triple_and_hull,
     "text before Eq 8, first successful case": four_coplanar_wheels,
     "Eq 12, sign": sign_of_eq_12,
     "block diagram, Figure 6": objective,
-    "Eqs 24 to 27, vertical plane": vertical_plane,
-    "Table 1 and text, 30°": entry_at_30,
 }
 
 

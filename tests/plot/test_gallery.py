@@ -1,27 +1,10 @@
-"""The gallery's page and pictures are a function of recipe and map, and never drift."""
+"""Every recipe of the gallery has figures of its own and a place on the gallery's page."""
 
-import importlib.util
-import sys
-
-import pytest
-
-from tests.fixtures.places import MAPS, ROOT
+from tests.fixtures.places import MAPS
+from tools import gallery
 
 
-@pytest.fixture(scope="module")
-def gallery():
-    path = ROOT / "tools" / "gallery.py"
-    spec = importlib.util.spec_from_file_location("gallery", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["gallery"] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules["gallery"]
-
-
-def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(gallery):
+def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page():
     page = (MAPS / "README.md").read_text(encoding="utf-8")
     for path in sorted(MAPS.glob("*.toml")):
         assert path.stem in gallery.SHOTS
