@@ -85,18 +85,3 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
         lost += bool(nelder_mead(waves, box, start)[-1].value > 0.1)
     # A guard that any method passes proves nothing.
     assert lost >= 3
-
-
-def test_the_candidates_fill_the_box_evenly_and_follow_the_seed():
-    start = np.array([0.0, 1.0])
-    nodes = multistart(bowl, BOX, start, 7)[0].nodes[1:]
-    assert nodes.tolist() == multistart(bowl, BOX, start, 7)[0].nodes[1:].tolist()
-    assert nodes.tolist() != multistart(bowl, BOX, start, 8)[0].nodes[1:].tolist()
-    share = (nodes - BOX[:, 0]) / (BOX[:, 1] - BOX[:, 0])
-    assert share.min() >= 0.0
-    assert share.max() < 1.0
-    # 256 points of a digital net: an even share of them in each of 8 x 8 cells, but for the
-    # shift.  Independent random points leave a cell empty or overfull nearly always.
-    counts = np.histogram2d(share[:, 0], share[:, 1], bins=8)[0]
-    assert counts.min() >= 2
-    assert counts.max() <= 6
