@@ -43,15 +43,15 @@ def is_red(picture):
 
 
 def test_the_title_is_red_where_the_robot_tips_and_nowhere_else(two, tmp_path):
-    fixed = by_hand(two, 8, control=False)
-    changing = by_hand(two, 8)
+    fixed = by_hand(two, 4, control=False)
+    changing = by_hand(two, 4)
     animate(two, {"fixed shape": fixed, "changing shape": changing}, tmp_path / "film.gif")
     pictures = frames(tmp_path / "film.gif")
     half = SIZE[0] // 2
     for film, drawn in ((slice(None, half), fixed), (slice(half, None), changing)):
         assert [is_red(picture[:, film]) for picture in pictures] == drawn.tips.tolist()
     # Both sides show both, and not the same.
-    assert 0 < changing.tips.sum() < fixed.tips.sum() < 8
+    assert 0 < changing.tips.sum() < fixed.tips.sum() < 4
 
 
 def test_the_command_writes_the_film_of_the_library(two, tmp_path):

@@ -21,9 +21,9 @@ def by_hand(two, points, **options):
 
 
 def test_the_figure_of_limits_holds_them():
-    robot = parse_recipe(tripod())
+    robot = parse_recipe(tripod("reach = 2, swing = 2"))
     rows = robot.grid.params(np.arange(robot.grid.size))
-    found = posture_limits(Posture(robot, rows[4]))
+    found = posture_limits(Posture(robot, rows[2]))
     swept = sweep_limits(robot, rows, np.radians(np.arange(24) * 15.0))
     figure = draw_limits(robot, found, swept)
     lines = {str(line.get_label()): line for line in figure.axes[0].get_lines()}
@@ -34,7 +34,7 @@ def test_the_figure_of_limits_holds_them():
 
     heading, tilt = polar("tips over")
     # Gaps of less than 2 deg of heading are closed, which rounds dents off.
-    expected = np.degrees(tilt_limits(robot, rows[4], heading, "plane"))
+    expected = np.degrees(tilt_limits(robot, rows[2], heading, "plane"))
     np.testing.assert_allclose(tilt, expected, atol=0.05)
     best, worst = polar("best posture")[1], polar("worst posture")[1]
     np.testing.assert_allclose(best, np.degrees(swept.most))
