@@ -134,26 +134,20 @@ class Trials:
         """Return a candidate, None for a size that the codec cannot encode."""
         key = (codec, spec)
         if key not in self.tried:
+            self.tried[key] = None
             try:
-                tables = codec.encode(self.model, self.channels, spec)
+                made = codec.export(self.model, self.name, self.channels, self.arithmetic, spec)
+                self.tried[key] = self._assessed(made)
             except InputError as error:
-                self.tried[key] = None
                 self.refused[codec.name] = str(error)
-            else:
-                self.tried[key] = self.assess(codec, tables)
         return self.tried[key]
 
-    def assess(self, codec: Codec, tables: Any) -> Candidate:
-        """Measure tables: their bytes, with descriptors and code, and their answers."""
-        model = self.model
-        export = Export(
-            *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
-        )
-        size = flash_bytes(export)
-        asked = device(export)
+    def _assessed(self, export: Export) -> Candidate:
+        """Measure an export: its bytes, with descriptors and code, and its answers."""
+        size, asked = flash_bytes(export), device(export)
         seen = [asked.compare(known) for known in self.sample]
         # What is tested is lowered by the certificate, until it finds none.
-        wrong = 0 if tables.tested else sum(int(one.false_safe.sum()) for one in seen)
+        wrong = 0 if export.tables.tested else sum(int(one.false_safe.sum()) for one in seen)
         return Candidate(
             export,
             int(size["tables"]),

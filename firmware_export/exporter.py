@@ -22,6 +22,7 @@ from firmware_export.host import load_library
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
+from lutgen.channels import refuse_forces
 from lutgen.errors import ExportError, InputError
 from lutgen.mapping import TO_STAND, StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
@@ -213,12 +214,7 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
             f"{recipe.source}: the robot is given by code, which a map does not hold (got python = "
             f"{recipe.python!r}); export the recipe's file with --allow-python."
         )
-    if recipe.has_wrench:
-        names = ", ".join(force.name for force in recipe.forces if force.acts)
-        raise InputError(
-            f"{recipe.source}: key `robot.force`: the C runtime knows the weight and no other "
-            f"force (got {names}); export without forces, or read the robot with `lutgen eval`."
-        )
+    refuse_forces(recipe, "the C runtime")
     return recipe
 
 

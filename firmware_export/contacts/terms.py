@@ -6,7 +6,6 @@ contact.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -29,11 +28,8 @@ NEGLIGIBLE = 1e-9
 SINE_ERROR, HALF_UNIT = 2.5e-7, 2.0**-24
 
 
-class Term(NamedTuple):
-    """A weight and the entry that it multiplies."""
-
-    weight: float
-    entry: int
+# A weight and the entry that it multiplies.
+Term = tuple[float, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,18 +79,17 @@ class Terms:
         sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
         rates = [rate for _, rate in self.angles] if rated else []
         joints = [parameter for parameter, _ in self.angles] + list(self.travels)
+        weights, counts = [weight for weight, _ in terms], [len(one) for one in self.coordinates]
         return (
             *head(sizes, len(terms), (flags, order), thresholds, many),
-            CArray("weights", "float", [t.weight for t in terms], "weight of each term, length"),
+            CArray("weights", "float", weights, "weight of each term, length"),
             CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
             CArray("radii", "float", radii, "radius of each contact"),
             CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
-            CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
+            CArray("products", "uint8_t", self.products, "pairs of entries"),
             CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
-            CArray(
-                "counts", "uint8_t", [len(c) for c in self.coordinates], "terms of each coordinate"
-            ),
-            CArray("entries", "uint8_t", [term.entry for term in terms], "entry of each term"),
+            CArray("counts", "uint8_t", counts, "terms of each coordinate"),
+            CArray("entries", "uint8_t", [entry for _, entry in terms], "entry of each term"),
         )
 
 
@@ -150,7 +145,7 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
     table = Products(1 + len(entry))
     coordinates = [
         tuple(
-            Term(float(v[i]), table.of(tuple(entry[one] for one in m)))
+            (float(v[i]), table.of(tuple(entry[one] for one in m)))
             for m, v in one.terms.items()
             if v[i] != 0.0
         )

@@ -9,9 +9,8 @@ import re
 from typing import Any
 
 from firmware_export.emit.names import macro
-from firmware_export.emit.runtime import runtime_version
 from firmware_export.emit.size import counted, flash_bytes
-from firmware_export.protocol import Export, describe, turns
+from firmware_export.protocol import VERSION, Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
 from lutgen.files import plain
@@ -66,7 +65,7 @@ def report(export: Export) -> dict[str, Any]:
         "name": export.name,
         "robot": recipe.name,
         "lutgen_version": __version__,
-        "smap_version": runtime_version(),
+        "smap_version": VERSION,
         "recipe_sha256": recipe.digest,
         "recipe": {"text": recipe.text, "urdf": recipe.urdf},
         "length_unit": recipe.length_unit,

@@ -27,14 +27,6 @@ def runtime_file(name: str) -> str:
         ) from error
 
 
-def runtime_version() -> int:
-    """Return SMAP_VERSION of the runtime."""
-    found = re.search(r"#define SMAP_VERSION (\d+)", runtime_file("smap.h"))
-    if found is None:
-        raise ExportError("smap.h: SMAP_VERSION is missing (got nothing); install lutgen again.")
-    return int(found[1])
-
-
 @cache
 def runtime_text(family: str) -> str:
     """Return the text of a family."""

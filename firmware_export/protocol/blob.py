@@ -16,6 +16,7 @@ import numpy as np
 from firmware_export.protocol.codec import CArray, Export
 from firmware_export.truth import Model, slack
 
+# SMAP_VERSION of the runtime.
 VERSION = 3
 TURN = 2.0 * math.pi
 # A hair by which the rim of the chart is widened: rounding of a quotient.

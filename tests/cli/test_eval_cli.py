@@ -112,7 +112,7 @@ def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show
 def test_an_export_refuses_forces_and_a_picture_shows_them(place, tmp_path):
     result = run("export", place / "roped.toml", "-o", tmp_path / "out")
     assert result.exit_code == 2
-    assert "knows the weight and no other force (got rope)" in result.stderr
+    assert "counts the weight and no other force (got rope)" in result.stderr
     assert not (tmp_path / "out").exists()
     good("plot", place / "roped.toml", "-o", tmp_path / "robot.svg", "--kind", "robot")
     assert "force" in (tmp_path / "robot.svg").read_text()
