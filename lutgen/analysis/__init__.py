@@ -36,4 +36,4 @@ from lutgen.analysis.tilt_table import (
 from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
 from lutgen.analysis.weighed_recipe import corrected, correction, correction_lines
 from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing, weigh
-from lutgen.analysis.wheels import Motion, structure, wheel_speeds
+from lutgen.analysis.wheels import Motion, wheel_speeds

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.posture import Posture, Stance
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 CHANNELS = ("sdg", "tip_angle", "margin", "energy_margin")
@@ -48,10 +48,9 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     """
     recipe = posture.recipe
     if recipe.com_uncertainty > 0.0:
-        raise InputError(
-            f"{recipe.source}: key `robot.com_uncertainty`: metrics are those of one com (got "
-            f"{recipe.com_uncertainty:g}); leave it out to compare them"
-        )
+        what = "key `robot.com_uncertainty`: metrics are those of one com"
+        way_out = "leave it out to compare them"
+        reject(recipe.source, what, f"{recipe.com_uncertainty:g}", way_out, InputError)
     directions = np.vstack([LEVEL, checked_directions(gravity_dir)])
     found = evaluate(recipe, posture.row, directions, (*CHANNELS, "least_share", "status"))
     status, least_share = found.pop("status")[0], found.pop("least_share")[0]

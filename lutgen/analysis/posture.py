@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, wrenches
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import (
     Postures,
     Recipe,
@@ -138,10 +138,9 @@ class Posture:
         self.recipe = recipe
         self.params = np.asarray(params, dtype=np.float64)
         if self.params.ndim != 1:
-            raise InputError(
-                f"one posture needs params of the shape ({len(recipe.parameters)},) (got the shape "
-                f"{self.params.shape}); pass one number per geometry parameter"
-            )
+            what = f"one posture needs params of the shape ({len(recipe.parameters)},)"
+            way_out = "pass one number per geometry parameter"
+            reject(recipe.source, what, f"the shape {self.params.shape}", way_out, InputError)
         self.row = self.params[None]
 
     @cached_property

@@ -14,7 +14,7 @@ from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.bracket import halve
 from lutgen.channels import MU, PHI, evaluate
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.parts import Group
 from lutgen.vector import Floats
 
@@ -76,10 +76,9 @@ def share_limits(
     groups = {one: Group(one, (one,)) for one in recipe.contact_names}
     groups |= {group.name: group for group in recipe.groups}
     if name not in groups or not 0.0 < share <= 1.0:
-        raise InputError(
-            f"{recipe.source}: a share above 0 and up to 1 of a group or contact is needed (got "
-            f"{name}={share:g}); there are {', '.join(groups)}"
-        )
+        what = "a share above 0 and up to 1 of a group or contact is needed"
+        way_out = f"there are {', '.join(groups)}"
+        reject(recipe.source, what, f"{name}={share:g}", way_out, InputError)
     alone = replace(recipe, groups=(groups[name],))
 
     def light(down: Floats) -> NDArray[np.bool_]:
@@ -98,10 +97,9 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
     """
     recipe, push = posture.recipe, posture.wrench[PHI:MU]
     if recipe.friction is None:
-        raise InputError(
-            f"{recipe.source}: the recipe has no friction coefficient (got no `robot.friction`); "
-            "add one, for example friction = 0.8, to learn where the robot slides."
-        )
+        what = "the recipe has no friction coefficient"
+        way_out = "add one, for example friction = 0.8, to learn where the robot slides"
+        reject(recipe.source, what, "no `robot.friction`", way_out, InputError)
     mu = recipe.friction
     normals = np.array([facet.normal for facet in posture.stance.facets]).reshape(-1, 3)
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.analysis.balance import BOX, MISSING, SAME, Balance, margin_in
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 # Sides of the pyramids, of a verdict until those inside and outside the cones agree.
@@ -103,15 +103,12 @@ def equilibrium(
     shapes = (("points", places, (n, 3)), ("normals", outward, (n, 3)), ("com", middle, (3,)))
     for name, found, shape in (*shapes, ("gravity_dir", down, (3,))):
         if found.shape != shape or n == 0:
-            raise InputError(
-                f"{name} must have the shape {shape}, with a contact at least (got {found.shape}); "
-                "give x, y, z of each"
-            )
+            what = f"{name} must have the shape {shape}, with a contact at least"
+            reject("footing", what, found.shape, "give x, y, z of each", InputError)
     if mu.shape not in ((), (n,)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
-        raise InputError(
-            f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them (got "
-            f"{mu.tolist()}); give a coefficient for all contacts or for each"
-        )
+        what = f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them"
+        way_out = "give a coefficient for all contacts or for each"
+        reject("footing", what, mu.tolist(), way_out, InputError)
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
     origin = places.mean(axis=0)
@@ -150,14 +147,11 @@ def _numbers(name: str, values: ArrayLike) -> Floats:
     try:
         result = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{name} must be numbers in rows of equal length (got {values!r}); write them as a list"
-        ) from None
+        what = f"{name} must be numbers in rows of equal length"
+        reject("footing", what, repr(values), "write them as a list", InputError)
     if not (np.abs(result) < LARGEST).all():
-        raise InputError(
-            f"{name} must be finite, and below {LARGEST:g} (got {result.tolist()}); "
-            "give numbers of another size"
-        )
+        what = f"{name} must be finite, and below {LARGEST:g}"
+        reject("footing", what, result.tolist(), "give numbers of another size", InputError)
     return result
 
 

@@ -3,7 +3,7 @@
 import re
 
 from lutgen.analysis.weighing import Weighed
-from lutgen.errors import RecipeError
+from lutgen.errors import RecipeError, reject
 from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.load import toml
 
@@ -59,8 +59,6 @@ def corrected(recipe: Recipe, found: Weighed) -> str:
     except RecipeError:
         good = False
     if not good:
-        raise RecipeError(
-            f"{recipe.source}: the keys of [robot] are not where they can be replaced (got no good "
-            f"recipe); write {'; '.join(correction_lines(keys))} there by hand."
-        )
+        what, got = "the keys of [robot] are not where they can be replaced", "no good recipe"
+        reject(recipe.source, what, got, f"write {'; '.join(correction_lines(keys))} there by hand")
     return text

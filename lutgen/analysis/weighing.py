@@ -14,7 +14,7 @@ import numpy as np
 
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.tilt import level_frames, tilted
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
 from lutgen.support import plane_axes
 from lutgen.vector import Floats
@@ -95,18 +95,23 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     centres = Posture(recipe, readings[0].params).placed.centres[0]
     size = float(np.linalg.norm(centres, axis=1).max()) or 1.0
     estimate, scale = start, start[0] * np.array([1.0, size, size, size])
+    weighed = any(isinstance(one, Weighing) for one in readings)
+    # Tilts alone tell nothing of the mass, which stays.
+    free = scale if weighed else scale * [0.0, 1.0, 1.0, 1.0]
     for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
         parts = [_equations(recipe, one, estimate) for one in readings]
         row, value, unit = (np.concatenate(part) for part in zip(*parts, strict=True))
-        share = np.linalg.pinv(row * scale, rcond=NOTHING) @ (value - row @ start)
-        estimate = start + scale * share
+        share = np.linalg.pinv(row * free, rcond=NOTHING) @ (value - row @ start)
+        estimate = start + free * share
     if not estimate[0] > 0.0:
-        raise InputError(f"the readings give no mass above 0 (got {estimate[0]:g} kg); check them.")
+        what = "the readings give no mass above 0"
+        reject(recipe.source, what, f"{estimate[0]:g} kg", "check them", InputError)
     rest = value - row @ estimate
-    covariance, unknown = _known(row, scale)
+    covariance, unknown = _known(row, free)
     freedom = len(value) - (4 - unknown.shape[1])
     grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
     mass_std, com_std, spread = _deviations(estimate, grown * covariance, unknown)
+    mass_std = mass_std if weighed else math.inf
     advice = _advice(recipe, readings, estimate, row, scale)
     mass, shift = float(estimate[0]), estimate[1:] / estimate[0]
     return Weighed(mass, mass_std, shift, com_std, spread, rest * unit, advice)
@@ -127,11 +132,9 @@ def _seated(
     frame = level_frames(recipe, posture.row, "plane")[0]
     facet = posture.stance_of_weight().under(-frame[:, 2])
     if facet is None:
-        values = ", ".join(f"{value:g}" for value in params)
-        raise InputError(
-            f"{recipe.source}: the robot rests on nothing in a posture of the file (got parameters "
-            f"{values or 'none'}, rad or length); leave it out."
-        )
+        values = ", ".join(f"{value:g}" for value in params) or "none"
+        what, got = "the robot rests on nothing in a posture", f"parameters {values}, rad or length"
+        reject(recipe.source, what, got, "leave it out of the file", InputError)
     return facet, frame @ tilted(slope, heading)
 
 
@@ -150,13 +153,10 @@ def _equations(recipe: Recipe, reading: Reading, estimate: Floats) -> tuple[Floa
         return np.array([row]) / factor, np.zeros(1), np.array([reading.accuracy])
     names = [recipe.contact_names[i] for i in facet.touching]
     picked = np.array([[name in group for name in names] for group in reading.loads], np.float64)
-    for group in reading.loads:
-        for name in group:
-            if name not in names:
-                raise InputError(
-                    f"{recipe.source}: a contact carries nothing in this posture (got a load on "
-                    f"{name!r}); on the ground are {', '.join(names)}."
-                )
+    for name in itertools.chain(*reading.loads):
+        if name not in names:
+            what, got = "a contact carries nothing in this posture", f"a load on {name!r}"
+            reject(recipe.source, what, got, f"on the ground are {', '.join(names)}", InputError)
     loads, free = _balance(facet, down)
     # Loads that statics leaves open are taken out of the readings.
     spare = picked @ free

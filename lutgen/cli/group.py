@@ -19,6 +19,7 @@ from lutgen.errors import (
     SweepError,
     one_line,
     readable,
+    reject,
 )
 
 FAILED, BAD_INPUT = 1, 2
@@ -102,10 +103,9 @@ def check_environment() -> None:
     """Refuse settings of the environment that a library would answer with a traceback."""
     threads = os.environ.get("NUMBA_NUM_THREADS")
     if threads is not None and not (threads.isascii() and threads.isdigit() and int(threads[:6])):
-        raise InputError(
-            f"NUMBA_NUM_THREADS: must be a whole number above 0 (got {threads!r}); correct it in "
-            "the environment, or unset it."
-        )
+        what = "must be a whole number above 0"
+        way_out = "correct it in the environment, or unset it"
+        reject("NUMBA_NUM_THREADS", what, repr(threads), way_out, InputError)
 
 
 @click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})

@@ -123,7 +123,8 @@ def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> d
         "worst_ground_heading_deg": output.degrees(ground.worst),
         "worst_ground_tilt_deg": down(ground.least),
         "worst_ground_contacts": ground.contacts(ground.worst),
-        "ground_rolling_included": False if found.rolls else None,
+        # On contacts that roll it may give way before it slides.
+        "ground_rolling_included": False if any(c.rolling for c in recipe.contacts) else None,
         "forces_act": recipe.has_wrench,
         "stands_on_level_ground": found.stands,
     }
@@ -162,15 +163,13 @@ def all_postures(recipe: "robots.Recipe", swept: "analysis.SweepLimits") -> dict
         at = i * len(swept.headings) // len(analysis.FOUR)
         postures = [int(swept.least_at[at]), int(swept.most_at[at])]
         rows.append({"name": name, **ends(postures, (swept.least[at], swept.most[at]))})
-    extremes = [swept.weakest, swept.strongest]
-    rows.append({"name": analysis.WORST, **ends(extremes, swept.guaranteed[extremes])})
-    slopes = swept.guaranteed_ground
-    extremes = [int(slopes.argmin()), int(slopes.argmax())]
+    tilts, slopes = swept.guaranteed, swept.guaranteed_ground
+    body, ground = ([int(of.argmin()), int(of.argmax())] for of in (tilts, slopes))
     return {
         "postures": len(swept.params),
         "tip_on_level_ground": int((swept.level < 0.0).sum()),
-        "limits": rows,
-        "ground": ends(extremes, slopes[extremes], "guaranteed_tip"),
+        "limits": [*rows, {"name": analysis.WORST, **ends(body, tilts[body])}],
+        "ground": ends(ground, slopes[ground], "guaranteed_tip"),
     }
 
 

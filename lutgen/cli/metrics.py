@@ -40,23 +40,16 @@ def metrics(recipe: str, options: Options) -> None:
     """
     robot = open_recipe(recipe, options.allow_python)
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
-    report = metrics_report(posture, options.tilt, options.headings)
-    report |= output.posture_entries(robot, posture.params, options.assignments)
-    output.show(report, metrics_lines, options.as_json)
-
-
-def metrics_report(posture: "analysis.Posture", tilt: float, headings: int) -> dict[str, Any]:
-    """Return what `--json` prints; null where there is no value."""
-    around = np.arange(headings) * (360.0 / headings)
-    down = analysis.tilted(math.radians(tilt), np.radians(around))
+    around = np.arange(options.headings) * (360.0 / options.headings)
+    down = analysis.tilted(math.radians(options.tilt), np.radians(around))
     found = analysis.compare_metrics(posture, down)
     held: list[dict[str, bool]] = [{} for _ in around]
-    if any(contact.rolling for contact in posture.recipe.contacts):
+    if any(contact.rolling for contact in robot.contacts):
         holds, may = analysis.holds(posture, down), analysis.may_hold(posture, down)
         held = [{"holds": holds[i], "may_hold": may[i]} for i in range(len(around))]
-    return {
-        **output.entries(posture.recipe, "robot=name length_unit"),
-        "tilt_deg": tilt,
+    report = {
+        **output.entries(robot, "robot=name length_unit"),
+        "tilt_deg": options.tilt,
         "level": {
             "status": QUANTITIES["status"].word(found.level_status),
             **output.channel_entries(found.level),
@@ -73,7 +66,9 @@ def metrics_report(posture: "analysis.Posture", tilt: float, headings: int) -> d
             }
             for i, heading in enumerate(around.tolist())
         ],
+        **output.posture_entries(robot, posture.params, options.assignments),
     }
+    output.show(report, metrics_lines, options.as_json)
 
 
 def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -85,9 +80,9 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         "margin": f"margin{length}",
         "energy_margin": f"energy{length}",
         "force_angle_rad": f"force_angle rad{length}",
+        "least_share": "least share",
     }
     rolling = "holds" in report["headings"][0]
-    columns["least_share"] = "least share"
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in (report["level"], *report["headings"]):
         heading = f"{entry['heading_deg']:g}" if "heading_deg" in entry else "level"

@@ -11,7 +11,7 @@ from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
 from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
 
@@ -85,9 +85,26 @@ def optimum(recipe: str, options: Options) -> None:
     )
     if options.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")
-    report = optimum_report(robot, found, kept)
+    trace = steps(robot, found)
+    report = {
+        **entries(robot, "robot=name length_unit"),
+        **entries(found, "method objective convention standing"),
+        **entry("value", found.value, objective_unit(robot, found)),
+        "evaluations": found.evaluations,
+        "parameters": {
+            p.name: {
+                **entry("value", found.params[i], p.display_unit),
+                **entry("delta", found.delta[i], p.display_unit),
+                **entry("acceptable", found.acceptable[i], p.display_unit),
+                "kept": p.name in kept,
+            }
+            for i, p in enumerate(robot.parameters)
+        },
+        # Where the method itself ends: the paper's search may have seen better before.
+        "last": {key: part for key, part in trace[-1].items() if key != "evaluations"},
+    }
     if options.trace:
-        report["trace"] = steps(robot, found)
+        report["trace"] = trace
     show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
 
 
@@ -98,15 +115,12 @@ def bounds_of(
     bounds = stored_values(robot, options.bounds, "--bounds")
     for name, low, high in options.bounds:
         if name in kept:
-            raise InputError(
-                f"parameter {name} is bounded and kept (got --bounds {name}={low:g}:{high:g} as "
-                "well as -p); give it one -p or one --bounds"
-            )
+            what, got = f"parameter {name} has a value already", f"-p as well as --bounds {name}"
+            reject(robot.source, what, got, "give it one -p or one --bounds", InputError)
         if not low < high:
-            raise InputError(
-                f"the lower bound of {name} must be below the upper one (got {low:g}:{high:g}); "
-                f"swap them, or write -p {name}={low:g} to keep it"
-            )
+            what = f"the lower bound of {name} must be below the upper one"
+            way_out = f"swap them, or write -p {name}={low:g} to keep it"
+            reject("--bounds", what, f"{low:g}:{high:g}", way_out, InputError)
     bounds |= {name: (value, value) for name, value in kept.items()}
     return [bounds.get(p.name, (p.minimum, p.maximum)) for p in robot.parameters]
 
@@ -120,10 +134,8 @@ def start_of(
     """Return where the search begins (rad, length): in the middle where nothing is said."""
     start = stored_values(robot, options.start, "--start")
     if both := [name for name in start if name in kept]:
-        raise InputError(
-            f"parameter {both[0]} has a value already (got --start {both[0]} as well as -p); give "
-            "it one -p or one --start"
-        )
+        what, got = f"parameter {both[0]} has a value already", f"-p as well as --start {both[0]}"
+        reject(robot.source, what, got, "give it one -p or one --start", InputError)
     middle = {p.name: sum(ends) / 2.0 for p, ends in zip(robot.parameters, box, strict=True)}
     return [*(middle | start).values()]
 
@@ -153,31 +165,6 @@ def steps(robot: "robots.Recipe", found: "searches.Optimum") -> list[dict[str, A
         }
         for step in found.trace
     ]
-
-
-def optimum_report(
-    robot: "robots.Recipe", found: "searches.Optimum", kept: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return what `--json` prints; null where there is no value."""
-    last = steps(robot, found)[-1]
-    del last["evaluations"]
-    return {
-        **entries(robot, "robot=name length_unit"),
-        **entries(found, "method objective convention standing"),
-        **entry("value", found.value, objective_unit(robot, found)),
-        "evaluations": found.evaluations,
-        "parameters": {
-            p.name: {
-                **entry("value", found.params[i], p.display_unit),
-                **entry("delta", found.delta[i], p.display_unit),
-                **entry("acceptable", found.acceptable[i], p.display_unit),
-                "kept": p.name in kept,
-            }
-            for i, p in enumerate(robot.parameters)
-        },
-        # Where the method itself ends: the paper's search may have seen better before.
-        "last": last,
-    }
 
 
 def optimum_lines(report: dict[str, Any]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from lutgen.cli.lazy import Floats, maps, np, robots
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 log = logging.getLogger("lutgen")
 
@@ -249,19 +249,19 @@ def _is_map(path: str) -> bool:
 def named_values(
     recipe: "robots.Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
 ) -> dict[str, Any]:
-    """Return what an option gives parameters by name, a number each or (low, high), as written."""
+    """Return what an option gives parameters by name, a number each or low and high, as written."""
     known = [p.name for p in recipe.parameters]
     found: dict[str, Any] = {}
     for name, *numbers in given:
         got = f"{flag} {name}={':'.join(f'{number:g}' for number in numbers)}"
         if name not in known:
-            raise InputError(
-                f"{recipe.source}: there is no parameter {name!r} (got {got}); it has "
-                f"{', '.join(known) or 'none'}"
-            )
+            way_out = f"it has {', '.join(known) or 'none'}"
+            reject(recipe.source, f"there is no parameter {name!r}", got, way_out, InputError)
         if name in found:
-            raise InputError(f"parameter {name} is given twice (got {got} as well); leave one out")
-        found[name] = numbers[0] if len(numbers) == 1 else tuple(numbers)
+            reject(
+                recipe.source, f"parameter {name} is given twice", got, "leave one out", InputError
+            )
+        found[name] = numbers[0] if len(numbers) == 1 else np.array(numbers)
     return found
 
 
@@ -270,13 +270,7 @@ def stored_values(
 ) -> dict[str, Any]:
     """Return the same in rad or the recipe's length."""
     found = named_values(recipe, given, flag)
-    return {
-        p.name: tuple(map(p.stored, found[p.name]))
-        if isinstance(found[p.name], tuple)
-        else p.stored(found[p.name])
-        for p in recipe.parameters
-        if p.name in found
-    }
+    return {p.name: p.stored(found[p.name]) for p in recipe.parameters if p.name in found}
 
 
 def all_values(recipe: "robots.Recipe", given: Assignments) -> "Floats":

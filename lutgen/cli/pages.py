@@ -7,7 +7,7 @@ from lutgen.cli import options as given
 from lutgen.cli.lazy import devices
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 from lutgen.cli.output import check_outputs, entries, show, silent
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
 ENDINGS = (".html", ".htm")
@@ -44,10 +44,8 @@ def explore(source: str, options: ExploreOptions) -> None:
 
     suffix = Path(options.output).suffix.lower()
     if suffix not in ENDINGS:
-        raise InputError(
-            f"{options.output}: is no name of a page (got {suffix or 'no suffix'!r}); "
-            f"end it in {' or '.join(ENDINGS)}."
-        )
+        what, way_out = "is no name of a page", f"end it in {' or '.join(ENDINGS)}"
+        reject(options.output, what, repr(suffix or "no suffix"), way_out, InputError)
     check_outputs(options.force, options.output)
     if Path(source).is_dir():
         folder = devices.ExportFolder(source)

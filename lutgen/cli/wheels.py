@@ -7,8 +7,11 @@ from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
-from lutgen.cli.lazy import analysis, robots
+from lutgen.cli.lazy import analysis
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+
+STRUCTURE = "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"
+WHEEL = "contact touches speed_rad_s=speed steering_deg slip"
 
 
 @dataclass(frozen=True)
@@ -40,29 +43,20 @@ def wheels(recipe: str, options: Options) -> None:
     motion = analysis.wheel_speeds(posture, options.velocity, yaw_rate, options.gravity)
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
-    report = motion_report(robot, motion)
-    report |= output.posture_entries(robot, posture.params, options.assignments)
-    code = output.TIPS if not motion.standing else 0 if motion.possible else output.NO
-    output.show(report, motion_lines, options.as_json, code)
-
-
-def motion_report(recipe: "robots.Recipe", motion: "analysis.Motion") -> dict[str, Any]:
-    """Return what `--json` prints; lengths in the recipe's unit, null where there is no value."""
-    structure = (
-        "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"
-    )
-    wheel = "contact touches speed_rad_s=speed steering_deg slip"
-    return {
-        **output.entries(recipe, "robot=name length_unit"),
+    report = {
+        **output.entries(robot, "robot=name length_unit"),
         "standing": motion.standing,
-        "structure": output.entries(motion.structure, structure),
+        "structure": output.entries(motion.structure, STRUCTURE),
         **output.entries(motion, "velocity yaw_rate_deg_s possible slip"),
         "nearest": {
             "velocity": motion.nearest_velocity,
             "yaw_rate_deg_s": output.degrees(motion.nearest_yaw_rate),
         },
-        "wheels": [output.entries(one, wheel) for one in motion.wheels],
+        "wheels": [output.entries(one, WHEEL) for one in motion.wheels],
+        **output.posture_entries(robot, posture.params, options.assignments),
     }
+    code = output.TIPS if not motion.standing else 0 if motion.possible else output.NO
+    output.show(report, motion_lines, options.as_json, code)
 
 
 def motion_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -83,9 +77,7 @@ def motion_lines(report: dict[str, Any]) -> Iterator[str]:
         rows.append([wheel["contact"], *cells])
     yield from output.aligned(rows, numbers=(1, 2, 3))
     if not report["possible"]:
-        nearest = report["nearest"]
-        x, y, yaw = (
-            output.cell(v, ".9g") for v in (*nearest["velocity"], nearest["yaw_rate_deg_s"])
-        )
+        nearest = (*report["nearest"]["velocity"], report["nearest"]["yaw_rate_deg_s"])
+        x, y, yaw = (output.cell(value, ".9g") for value in nearest)
         yield f"impossible: the wheels slip sideways by {report['slip']:.6g} {unit} in all"
         yield f"nearest possible: velocity {x},{y} {unit}, yaw rate {yaw} deg/s"

@@ -13,7 +13,7 @@ from matplotlib.animation import FFMpegWriter, FuncAnimation, PillowWriter
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_bytes
 from lutgen.plot.labels import angle, plain, unit_label
 from lutgen.plot.path import draw_angles
@@ -51,10 +51,8 @@ class _Gif(PillowWriter):
 def check_animation(path: str | os.PathLike[str]) -> None:
     """Refuse other suffixes than .gif and .mp4, and .mp4 without ffmpeg."""
     if known_suffix(path, "film", (".gif", ".mp4")) == ".mp4" and not FFMpegWriter.isAvailable():
-        raise InputError(
-            f"{path}: an MP4 needs the program ffmpeg (got none on the path); install it, or end "
-            "the name in .gif."
-        )
+        way_out = "install it, or end the name in .gif"
+        reject(path, "an MP4 needs the program ffmpeg", "none on the path", way_out, InputError)
 
 
 def animate(

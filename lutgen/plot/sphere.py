@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.plot import disc
 from lutgen.plot.key import Scale
 from lutgen.plot.labels import angle, named, quantity_text
@@ -26,10 +26,9 @@ def draw_sphere(view: View) -> Figure:
     """Return the figure: one disc of equal areas, to its rim upside down if it stands beyond 90."""
     chart, sealed = view.recipe.chart, is_sealed(view.recipe)
     if sealed and chart.nodes == 1:
-        raise InputError(
-            f"plot: the chart of {view.recipe.name} is a single gravity direction (got "
-            "nodes = 1); sweep more nodes, or draw the kinds curve, contour or surface."
-        )
+        what = f"the chart of {view.recipe.name} is a single gravity direction"
+        way_out = "sweep more nodes, or draw the kinds curve, contour or surface"
+        reject("plot", what, "nodes = 1", way_out, InputError)
     rim = math.degrees(chart.max_tilt) if sealed and chart.kind == "cone" else 90.0
     if chart.kind == "sphere":
         up = chart.directions().reshape(-1, 3)

@@ -24,7 +24,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_bytes
 from lutgen.plot.fonts import families, said_once
 from lutgen.plot.sheet import resize, sheet
@@ -166,10 +166,8 @@ def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) 
     suffix = Path(path).suffix.lower()
     *most, last = known
     if suffix not in (*most, last):
-        raise InputError(
-            f"{path}: unknown kind of {kind} (got {suffix or 'no suffix'!r}); "
-            f"end the name in {', '.join(most)} or {last}."
-        )
+        way_out = f"end the name in {', '.join(most)} or {last}"
+        reject(path, f"unknown kind of {kind}", repr(suffix or "no suffix"), way_out, InputError)
     return suffix
 
 

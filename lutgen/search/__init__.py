@@ -7,4 +7,4 @@ from lutgen.search.driving import Drive, drive
 from lutgen.search.objective import Objective
 from lutgen.search.optima import Optimum, optimum
 from lutgen.search.terrain import Path, paper_path, turned
-from lutgen.search.terrain_csv import check_columns, read_path, read_rows
+from lutgen.search.terrain_csv import read_path, read_rows

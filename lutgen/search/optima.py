@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
 from lutgen.channels import checked_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
 from lutgen.search import methods
@@ -112,7 +112,7 @@ def optimum(
     if method == "map":
         steps = methods.smallest_node(cost, _nodes(recipe, space))
     elif method == "search":
-        steps = methods.refine(cost, space.box, levels, ends)
+        steps = methods.refine(lambda nodes: cost(nodes[0])[None], space.box, 1, levels, ends)[0]
     elif method == "nelder-mead":
         steps = methods.nelder_mead(cost, space.box, begin)
     else:
@@ -166,7 +166,7 @@ def searched_each(
             found = goal.cost(rows, np.repeat(some, nodes.shape[1], axis=0))
             return found.reshape(nodes.shape[:2])
 
-        for i, steps in enumerate(methods.refine_each(cost, space.box, len(some), levels, ends)):
+        for i, steps in enumerate(methods.refine(cost, space.box, len(some), levels, ends)):
             best = min(steps, key=lambda step: step.value)
             params[begin + i] = space.params(best.params[None, :])[0]
             costs[begin + i] = best.value
@@ -221,21 +221,16 @@ def _space(recipe: Recipe, bounds: ArrayLike | None, method: str) -> _Space:
     box = np.array(ranges if bounds is None else bounds, dtype=np.float64)
     box = box.reshape(-1, 2) if bounds is None else box
     if box.shape != (count, 2) or not np.isfinite(box).all():
-        raise InputError(
-            f"{recipe.source}: bounds must be finite and have the shape ({count}, 2) (got "
-            f"{np.asarray(bounds).tolist()}); give a lowest and a highest value for each parameter"
-        )
+        what = f"bounds must be finite and have the shape ({count}, 2)"
+        way_out = "give a lowest and a highest value for each parameter"
+        reject(recipe.source, what, np.asarray(bounds).tolist(), way_out, InputError)
     if not (box[:, 0] <= box[:, 1]).all():
-        raise InputError(
-            f"{recipe.source}: no lower bound may be above the upper one (got {box.tolist()}); "
-            "swap them"
-        )
+        what = "no lower bound may be above the upper one"
+        reject(recipe.source, what, box.tolist(), "swap them", InputError)
     free = box[:, 0] < box[:, 1]
     if not free.any():
-        raise InputError(
-            f"{recipe.source}: the robot has no geometry parameter to search (got "
-            f"{len(box)}, all kept); leave at least one free"
-        )
+        what = "the robot has no geometry parameter to search"
+        reject(recipe.source, what, f"{len(box)}, all kept", "leave at least one free", InputError)
     most, searched = SEARCHED.most, int(free.sum())
     if method == "search" and searched > most:
         raise InputError(
@@ -271,10 +266,8 @@ def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
         if kept.any():
             yield nodes[kept]
     if not inside:
-        raise InputError(
-            f"{recipe.source}: no node of the sweep lies within the bounds "
-            f"(got {box.tolist()}); widen them or use the method search"
-        )
+        what = "no node of the sweep lies within the bounds"
+        reject(recipe.source, what, box.tolist(), "widen them or use the method search", InputError)
 
 
 def _start(recipe: Recipe, start: ArrayLike | None, space: _Space) -> Floats:
@@ -283,8 +276,7 @@ def _start(recipe: Recipe, start: ArrayLike | None, space: _Space) -> Floats:
     begin = np.array(space.whole.mean(axis=1) if start is None else start, dtype=np.float64)
     # A NaN is not inside either.
     if begin.shape != low.shape or not ((begin >= low) & (begin <= high)).all():
-        raise InputError(
-            f"{recipe.source}: the start must lie within the bounds, one number for each "
-            f"parameter (got {np.asarray(start).tolist()}); leave it out to begin in the middle"
-        )
+        what = "the start must lie within the bounds, one number for each parameter"
+        way_out = "leave it out to begin in the middle"
+        reject(recipe.source, what, np.asarray(start).tolist(), way_out, InputError)
     return begin

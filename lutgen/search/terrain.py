@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 Floats = NDArray[np.float64]
 
@@ -109,12 +109,9 @@ def along(
     yaw = None if heading is None else np.array(heading, dtype=np.float64)
     if normal is not None:
         up = unit_directions(normal)
-        if (up[:, 2] < 0.0).any():
-            at = int((up[:, 2] < 0.0).argmax())
-            raise InputError(
-                f"the ground's normal at point {at} points down (got {up[at].tolist()}); "
-                "turn it round"
-            )
+        for at in np.flatnonzero(up[:, 2] < 0.0):
+            what = f"the ground's normal at point {at} points down"
+            reject("path", what, up[at].tolist(), "turn it round", InputError)
     if normal is None or yaw is None:
         tangent = _tangents(points)
         travel = _directions(tangent)
@@ -156,12 +153,10 @@ def _tangents(position: Floats) -> Floats:
     inner = (step[1:] * chord[:-1] + step[:-1] * chord[1:]) / (step[1:] + step[:-1])
     slope = np.vstack([chord[:1], inner, chord[-1:]])
     length = np.linalg.norm(slope, axis=1)
-    if (length <= EQUAL).any():
-        at = int((length <= EQUAL).argmax())
-        raise InputError(
-            f"the path turns back on itself at point {at} (got {position[at].tolist()}), so it "
-            "has no direction there; give headings and the ground's normals"
-        )
+    for at in np.flatnonzero(length <= EQUAL):
+        what = f"it turns back on itself at point {at}, so it has no direction there"
+        way_out = "give headings and the ground's normals"
+        reject("path", what, position[at].tolist(), way_out, InputError)
     return np.asarray(slope / length[:, None])
 
 

@@ -5,12 +5,12 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from io import StringIO
-from pathlib import Path as File
 
 import numpy as np
 
 from lutgen import bounds
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
+from lutgen.recipe.load import utf8
 from lutgen.search.terrain import EQUAL, Floats, Path, along
 
 # Numbers whose products still are numbers.
@@ -24,16 +24,14 @@ def read_path(file: str | os.PathLike[str]) -> Path:
     The first line names the columns in any order: x, y, z, and if wanted heading (deg) and the
     ground's normal nx, ny, nz; see `along`.  Anything else is refused with line and column.
     """
-    rows, lines = read_rows(file, _check_names)
+    rows, lines = read_rows(file, _path_columns)
     point = np.column_stack([rows[name] for name in ("x", "y", "z")])
     steps = np.linalg.norm(np.diff(point, axis=0), axis=1)
     same = np.flatnonzero(steps <= EQUAL * steps.sum())
     if len(same):
         at = int(same[0]) + 1
-        raise InputError(
-            f"{os.fspath(file)}: line {lines[at]} repeats the point before it "
-            f"(got {point[at].tolist()}); leave it out"
-        )
+        what = f"line {lines[at]} repeats the point before it"
+        reject(os.fspath(file), what, point[at].tolist(), "leave it out", InputError)
     heading = np.radians(rows["heading"]) if "heading" in rows else None
     normal = np.column_stack([rows[n] for n in ("nx", "ny", "nz")]) if "nx" in rows else None
     try:
@@ -44,7 +42,7 @@ def read_path(file: str | os.PathLike[str]) -> Path:
 
 def read_rows(
     file: str | os.PathLike[str],
-    check_names: Callable[[str, list[str]], None],
+    columns: Callable[[list[str]], tuple[Sequence[str], Sequence[str]]],
     what: str = "a path needs at least 2 points",
     least: int = 2,
 ) -> tuple[dict[str, Floats], list[int]]:
@@ -52,81 +50,57 @@ def read_rows(
 
     It is UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
     others; as large as a terrain may be.  Anything else is refused with line and column.
-    `check_names` refuses a header, given the file's name and the columns; `what` is the sentence
-    for a file of fewer than `least` rows.
+    `columns` says, of the names in a file, which it needs and which it may have; `what` is the
+    sentence for a file of fewer than `least` rows.
     """
-    source, way_out = os.fspath(file), "cut the path into parts"
-    try:
-        with File(file).open("rb") as opened:
-            raw = opened.read(bounds.TERRAIN_BYTES.most + 1)
-        bounds.check(len(raw), bounds.TERRAIN_BYTES, source, way_out)
-        text = raw.decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(
-            f"{source}: cannot be read (got {error.strerror}); check the path"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{source}: is no text in UTF-8 (got byte {error.object[error.start]:#x} at place "
-            f"{error.start}); save it as CSV in UTF-8"
-        ) from error
+    source = os.fspath(file)
+    text = utf8(bounds.read(source, bounds.TERRAIN_BYTES, InputError), source, InputError)
     reader = csv.reader(StringIO(text, newline=""))
     rows: list[list[float]] = []
     lines: list[int] = []
     try:
         names = [name.strip() for name in next(reader, [])]
-        check_names(source, names)
+        _check_columns(source, names, *columns(names))
         for cells in reader:
             if cells:
-                bounds.check(len(rows) + 1, bounds.POINTS, source, way_out)
+                bounds.check(len(rows) + 1, bounds.POINTS, source, "cut the path into parts")
                 rows.append(_read_row(f"{source}: line {reader.line_num}", names, cells))
                 lines.append(reader.line_num)
     except csv.Error as error:
-        raise InputError(
-            f"{source}: line {reader.line_num} is no CSV (got {error}); save it again"
-        ) from error
+        reject(source, f"line {reader.line_num} is no CSV", error, "save it again", InputError)
     if len(rows) < least:
-        raise InputError(f"{source}: {what} (got {len(rows)}); add lines")
+        reject(source, what, len(rows), "add lines", InputError)
     return dict(zip(names, np.array(rows).T, strict=True)), lines
 
 
-def check_columns(
+def _check_columns(
     source: str, names: Sequence[str], wanted: Sequence[str], known: Sequence[str]
 ) -> None:
     """Refuse columns of a file of which one is missing, unknown or there twice."""
-    got = f"(got {','.join(names) or 'nothing'})"
-    missing = [name for name in wanted if name not in names]
-    if missing:
-        raise InputError(
-            f"{source}: line 1 names no column {missing[0]} {got}; begin with {','.join(wanted)}"
-        )
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise InputError(
-            f"{source}: line 1 names the unknown column {unknown[0]!r} {got}; leave only columns "
-            f"of {', '.join(known)}"
-        )
+    got = ",".join(names) or "nothing"
+    for name in wanted:
+        if name not in names:
+            way_out = f"begin with {','.join(wanted)}"
+            reject(source, f"line 1 names no column {name}", got, way_out, InputError)
+    for name in names:
+        if name not in known:
+            what, way_out = f"the unknown column {name!r}", f"leave columns of {', '.join(known)}"
+            reject(source, f"line 1 names {what}", got, way_out, InputError)
     if len(set(names)) < len(names):
-        raise InputError(f"{source}: line 1 names a column twice {got}; rename or drop one")
+        reject(source, "line 1 names a column twice", got, "rename or drop one", InputError)
 
 
-def _check_names(source: str, names: list[str]) -> None:
-    """Refuse a header that does not name the columns of a path."""
-    check_columns(source, names, COLUMNS[:3], COLUMNS)
-    if 0 < sum(name in names for name in COLUMNS[4:]) < 3:
-        raise InputError(
-            f"{source}: line 1 names only a part of nx, ny, nz (got {','.join(names)}); a normal "
-            "needs all three"
-        )
+def _path_columns(names: list[str]) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the columns that a path needs, and those that it may have."""
+    normal = COLUMNS[4:] if any(name in names for name in COLUMNS[4:]) else ()
+    return (*COLUMNS[:3], *normal), COLUMNS
 
 
 def _read_row(where: str, names: list[str], cells: list[str]) -> list[float]:
     """Return the numbers of one line."""
     if len(cells) != len(names):
-        raise InputError(
-            f"{where} must have {len(names)} cells, as the first line has (got {len(cells)}); "
-            "give one number for each column"
-        )
+        what = f"must have {len(names)} cells, as the first line has"
+        reject(where, what, len(cells), "give one number for each column", InputError)
     numbers = []
     for name, cell in zip(names, cells, strict=True):
         try:
@@ -134,9 +108,7 @@ def _read_row(where: str, names: list[str], cells: list[str]) -> list[float]:
         except ValueError:
             number = math.nan
         if not abs(number) < LARGEST:
-            raise InputError(
-                f"{where}, column {name}: is no finite number (got {cell!r}); write one such as "
-                "1.25"
-            )
+            what, way_out = "is no finite number", "write one such as 1.25"
+            reject(f"{where}, column {name}", what, repr(cell), way_out, InputError)
         numbers.append(number)
     return numbers

@@ -1,6 +1,7 @@
 """Mass and centre of mass from scales and tilts, on a robot whose true ones are known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -114,6 +115,12 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height():
     alone = weigh(MODEL, tips)
     np.testing.assert_allclose(alone.com_shift, SHIFT, atol=1e-9)
     assert math.isinf(alone.mass_std)
+    # Tilts that do not agree, either.
+    tips[0] = replace(tips[0], slope=tips[0].slope + 1e-3)
+    off = weigh(MODEL, tips)
+    np.testing.assert_allclose(off.com_shift, SHIFT, atol=2e-3)
+    assert math.isinf(off.mass_std)
+    assert 0.0 < off.spread < 0.05
 
 
 def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():
