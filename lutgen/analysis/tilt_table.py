@@ -10,7 +10,7 @@ from decimal import ROUND_FLOOR, Decimal
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
@@ -19,9 +19,7 @@ from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats
-
-Ints = NDArray[np.intp]
+from lutgen.vector import Floats, Ints
 
 FOUR = {
     "nose down": 0.0,

@@ -25,8 +25,7 @@ from lutgen.errors import (
 FAILED, BAD_INPUT = 1, 2
 # The modules that have commands.
 COMMANDS = (
-    "budget control eval export import_ limits metrics optimum pages path plot recipes stance "
-    "sweep weigh wheels"
+    "budget control eval export import_ limits optimum pages path posture recipes sweep weigh"
 )
 # What the system says of an output that takes no more: a name stands with all other files.
 NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)

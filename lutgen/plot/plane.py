@@ -4,16 +4,13 @@ A step between two neighbours is a jump if it stays whole as the cell is halved 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 from scipy.spatial import cKDTree
 
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
-from lutgen.vector import Floats
-
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats
 
 CELLS, FINER = 180, 6
 # What is left of a step after so many halvings, in degrees: contours end from BREAK on, and a line

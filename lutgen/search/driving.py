@@ -17,7 +17,8 @@ from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
 from lutgen.search.objective import Objective
 from lutgen.search.optima import optimum, searched_each
-from lutgen.search.terrain import Floats, Path, turned
+from lutgen.search.terrain import Path, turned
+from lutgen.vector import Floats
 
 DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
 # No value is within this limit, so that a search does not look for acceptable ranges.

@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.bracket import halve
+from lutgen.vector import Bools, Floats
 
-Floats = NDArray[np.float64]
 # Takes (m, k) points and returns (m,) costs.
 Cost = Callable[[Floats], Floats]
 
@@ -226,7 +225,7 @@ def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> 
         return result
     for axis, side in np.ndindex(result.shape):
 
-        def exceeds(values: Floats, axis: int = axis) -> NDArray[np.bool_]:
+        def exceeds(values: Floats, axis: int = axis) -> Bools:
             rows = np.tile(best, (len(values), 1))
             rows[:, axis] = values
             return ~(cost(rows) <= limit)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
@@ -16,8 +16,9 @@ from lutgen.errors import InputError, reject
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
 from lutgen.search import methods
-from lutgen.search.methods import LEVELS, Floats, Step, acceptable_range, half_widths
+from lutgen.search.methods import LEVELS, Step, acceptable_range, half_widths
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
+from lutgen.vector import Bools, Floats
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
@@ -195,7 +196,7 @@ class _Space:
 
     box: Floats
     factor: Floats
-    free: NDArray[np.bool_]
+    free: Bools
     whole: Floats
 
     @property

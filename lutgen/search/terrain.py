@@ -9,12 +9,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError, reject
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # The paper prints no interval; its sin(x)/x has no value at 0.
 SPAN = (1e-6, 4.0 * math.pi)

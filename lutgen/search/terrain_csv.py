@@ -11,7 +11,8 @@ import numpy as np
 from lutgen import bounds
 from lutgen.errors import InputError, reject
 from lutgen.recipe.load import utf8
-from lutgen.search.terrain import EQUAL, Floats, Path, along
+from lutgen.search.terrain import EQUAL, Path, along
+from lutgen.vector import Floats
 
 # Numbers whose products still are numbers.
 LARGEST = 1e100

@@ -8,8 +8,7 @@ import pytest
 
 from firmware_export.contacts.closed import closed_form
 from lutgen.analysis import Posture, tilt_limits, tilted
-from lutgen.analysis.weighed_recipe import corrected
-from lutgen.analysis.weighing import Tipping, Weighing, weigh
+from lutgen.analysis.weighing import Tipping, Weighing, corrected, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
 

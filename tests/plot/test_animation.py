@@ -37,7 +37,7 @@ run = partial(commands.run, "path")
 
 
 def test_a_long_path_has_no_more_frames_and_stays_small(two, tmp_path, monkeypatch):
-    monkeypatch.setattr("lutgen.plot.film.MOST_FRAMES", 6)
+    monkeypatch.setattr("lutgen.plot.path.MOST_FRAMES", 6)
     film = tmp_path / "long.gif"
     assert animate(two, {"fixed": by_hand(two, 90, control=False)}, film) == 6
     assert len(frames(film)) == 6
