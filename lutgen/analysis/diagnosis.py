@@ -94,11 +94,8 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
     standing = channels["tip_angle"] >= 0.0
-    if recipe.loaded:
-        k, tip_axes = _loaded_axes(posture, g, standing)
-    else:
-        k = seat_under(stance.region, g)
-        tip_axes = _tip_axes(posture, g, standing)
+    k, numbers = (_loaded_numbers if recipe.loaded else _numbers)(posture, g, standing)
+    tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
     angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
     resultant = down[0] + wrench[PHI:MU]
@@ -147,11 +144,11 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     )
 
 
-def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:
-    """Return the arcs of the boundary, each with its own angle, margin and energy."""
+def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
+    """Return the facet on the ground; angle, margin and energy of the arcs of the boundary."""
     region, convex = posture.stance.region, posture.stance.convex
     sign = 1.0 if standing else -1.0
-    axes = []
+    found = []
     for b in range(region.counts[ARCS]):
         start, stop, wall = (read3(region.arc[b][name]) for name in ("start", "stop", "wall"))
         margin = axis_margin(start, stop, wall, convex, g)
@@ -161,22 +158,20 @@ def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...
         else:
             angle = sign * arc_angle(region, b, g)
             margin, energy = sign * abs(margin), sign * segment_energy(start, stop, g)
-        axes.append(_tip_axis(posture, b, angle, margin, energy))
-    return tuple(axes)
+        found.append((angle, margin, energy))
+    return seat_under(region, g), found
 
 
-def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tuple[TipAxis, ...]]:
-    """Return the facet on the ground, and the arcs of the boundary; none has an energy margin."""
+def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
+    """Return the same under a load, where none has an energy margin."""
     region, wrench = posture.stance.region, posture.wrench
-    found = empty_axes(region)
-    find_axes(region, wrench, found)
-    k, _, _ = loaded_verdict(region, found, wrench, g)
-    axes = []
+    axes, found = empty_axes(region), []
+    find_axes(region, wrench, axes)
     for b in range(region.counts[ARCS]):
-        angle = axis_angle(region, found, b, wrench, standing, g)
-        margin = loaded_margin(region, found, b, wrench, standing, g)
-        axes.append(_tip_axis(posture, b, angle, margin, math.nan))
-    return k, tuple(axes)
+        angle = axis_angle(region, axes, b, wrench, standing, g)
+        margin = loaded_margin(region, axes, b, wrench, standing, g)
+        found.append((angle, margin, math.nan))
+    return loaded_verdict(region, axes, wrench, g)[0], found
 
 
 def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: float) -> TipAxis:

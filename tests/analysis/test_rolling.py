@@ -12,9 +12,7 @@ from scipy.optimize import linprog
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.forces import load_corners
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.resistance import BRAKED, least_resistance
-from lutgen.analysis.rolling import (
+from lutgen.analysis.friction import (
     held_share,
     hold_limits,
     holds,
@@ -23,6 +21,8 @@ from lutgen.analysis.rolling import (
     rolling_gravity,
     rolls,
 )
+from lutgen.analysis.posture import Posture
+from lutgen.analysis.resistance import BRAKED, least_resistance
 from lutgen.analysis.tilt import tilted
 from lutgen.cli import main
 from lutgen.support import DISC

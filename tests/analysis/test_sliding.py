@@ -8,8 +8,8 @@ import pytest
 import lutgen
 from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.friction import first_tilts, slide_limits
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.sliding import first_tilts, slide_limits
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lutgen.errors import InputError
-from lutgen.search.terrain import along, paper_path, turned
-from lutgen.search.terrain_csv import read_path
+from lutgen.search.terrain import along, paper_path, read_path, turned
 
 SLOPE = math.radians(25.0)
 SIN, COS = math.sin(SLOPE), math.cos(SLOPE)
