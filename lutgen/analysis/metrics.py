@@ -58,26 +58,21 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     standing = values["tip_angle"] >= 0.0
     stance = posture.stance_of_weight()
     values["force_angle"] = force_angle(stance, directions, values["tip_angle"], values["margin"])
-    level = values["tip_angle"][0]
-    if not level > 0.0 or not len(stance.start):
-        degrees = f"{np.degrees(level):.3g} deg"
-        raise InputError(
-            f"{recipe.source}: metrics are compared with those on level ground, where this posture "
-            f"does not stand or cannot tip (got a tip angle of {degrees}); choose another posture."
-        )
+    angle = values["tip_angle"][0]
+    if not angle > 0.0 or not len(stance.start):
+        degrees = f"{np.degrees(angle):.3g} deg"
+        what = "metrics are compared with those on level ground, where this posture does not stand"
+        got = f"a tip angle of {degrees}"
+        reject(recipe.source, f"{what} or cannot tip", got, "choose another posture", InputError)
     normalised = {name: values[name][1:] / values[name][0] for name in METRICS if name != "sdg"}
     under = [stance.under(down) for down in directions[1:]]
     radius = np.array([np.nan if facet is None else facet.inradius for facet in under])
     normalised["sdg"] = 1.0 - values["sdg"][1:] / radius
-    return Metrics(
-        standing[1:],
-        status[1:],
-        least_share[1:],
-        {name: values[name][1:] for name in METRICS},
-        {name: normalised[name] for name in METRICS},
-        {name: float(values[name][0]) for name in METRICS},
-        float(status[0]),
-    )
+    tilted = {name: values[name][1:] for name in METRICS}
+    normalised = {name: normalised[name] for name in METRICS}
+    level = {name: float(values[name][0]) for name in METRICS}
+    verdicts = (standing[1:], status[1:], least_share[1:])
+    return Metrics(*verdicts, tilted, normalised, level, float(status[0]))
 
 
 def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Floats:

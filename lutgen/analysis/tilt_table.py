@@ -205,16 +205,8 @@ def sweep_limits(
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))
-    return SweepLimits(
-        recipe,
-        rows,
-        heading,
-        tilts[least_at, across],
-        tilts[most_at, across],
-        least_at,
-        most_at,
-        level_angles(recipe, rows, convention),
-    )
+    ends = (tilts[least_at, across], tilts[most_at, across], least_at, most_at)
+    return SweepLimits(recipe, rows, heading, *ends, level_angles(recipe, rows, convention))
 
 
 def _first(tilts: Floats, sign: float) -> Ints:

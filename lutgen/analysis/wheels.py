@@ -167,10 +167,7 @@ def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling |
 
 
 def wheel_speeds(
-    posture: Posture,
-    velocity: ArrayLike,
-    yaw_rate: float,
-    gravity_dir: ArrayLike = LEVEL,
+    posture: Posture, velocity: ArrayLike, yaw_rate: float, gravity_dir: ArrayLike = LEVEL
 ) -> Motion:
     """Compute the wheel speeds and steering angles of a motion in the contact plane.
 
@@ -215,17 +212,10 @@ def wheel_speeds(
     stretch, basis = _free_motions(ground)
     possible = slip <= stretch * still
     nearest = motion if possible else basis @ (basis.T @ motion)
-    return Motion(
-        (float(asked[0]), float(asked[1])),
-        yaw_rate,
-        wheels,
-        slip,
-        possible,
-        (float(nearest[0]), float(nearest[1])),
-        yaw_rate if possible else float(nearest[2]) / ground.size,
-        _structure(ground),
-        ground.standing,
-    )
+    turn = yaw_rate if possible else float(nearest[2]) / ground.size
+    wanted = ((float(asked[0]), float(asked[1])), yaw_rate, wheels, slip, possible)
+    reached = (float(nearest[0]), float(nearest[1]))
+    return Motion(*wanted, reached, turn, _structure(ground), ground.standing)
 
 
 def _wheel_motion(contact: _Rolling, velocity: Floats, still: float) -> WheelMotion:

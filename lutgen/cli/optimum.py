@@ -40,7 +40,7 @@ class Options(RecipeOptions):
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
     start: tuple[tuple[str, float], ...] = given.values(
-        help="Where nelder-mead and multistart begin; by default in the middle; repeatable.",
+        help="Where nelder-mead and multistart begin; by default in the middle; repeatable."
     )
     limit: float | None = option(
         type=float,

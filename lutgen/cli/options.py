@@ -173,9 +173,7 @@ parameters = functools.partial(
 )
 values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
-    option,
-    type=click.Choice(("map", "nelder-mead", "search", "multistart")),
-    default="search",
+    option, type=click.Choice(("map", "nelder-mead", "search", "multistart")), default="search"
 )
 output = functools.partial(option, "-o", type=Named())
 

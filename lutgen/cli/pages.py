@@ -7,15 +7,6 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import devices, figures, robots
-from lutgen.cli.options import (
-    FigureOptions,
-    RecipeOptions,
-    command,
-    log,
-    open_recipe,
-    open_source,
-    option,
-)
 from lutgen.cli.output import check_outputs, entries, show, silent
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
@@ -26,24 +17,24 @@ ENDINGS = (".html", ".htm")
 
 
 @dataclass(frozen=True)
-class PlotOptions(RecipeOptions, FigureOptions):
+class PlotOptions(given.RecipeOptions, given.FigureOptions):
     output: str = given.output("--output", required=True, help="PNG, SVG or PDF file.")
-    kind: str = option(required=True, type=click.Choice(KINDS), help="Which figure.")
+    kind: str = given.option(required=True, type=click.Choice(KINDS), help="Which figure.")
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
-    channel: str = option(default="tip_angle", help="Channel to draw.")
-    axes: str | None = option(
+    channel: str = given.option(default="tip_angle", help="Channel to draw.")
+    axes: str | None = given.option(
         help="Parameters along the axes, comma separated.  [default: the first one or two]"
     )
     convention: str = given.convention()
-    scale: tuple[float, float] | None = option(
+    scale: tuple[float, float] | None = given.option(
         nargs=2,
         type=float,
         help="What the colours span at least, in the unit shown, so that figures compare.",
     )
 
 
-@command("source", PlotOptions)
+@given.command("source", PlotOptions)
 def plot(source: str, options: PlotOptions) -> None:
     """Draw a figure of SOURCE, a map or a recipe; its title is the answer.
 
@@ -61,11 +52,11 @@ def plot(source: str, options: PlotOptions) -> None:
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
     check_outputs(options.force, options.output)
-    opened = open_source(source, options.allow_python)
+    opened = given.open_source(source, options.allow_python)
     recipe = opened if isinstance(opened, robots.Recipe) else opened.recipe
     axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
     if origin := given.posture_source(recipe, options.assignments):
-        log.info("parameters without a value: %s", origin)
+        given.log.info("parameters without a value: %s", origin)
     with figures.on_sheet(options.size, options.style):
         figure = figures.draw(
             options.kind,
@@ -86,21 +77,21 @@ def plot(source: str, options: PlotOptions) -> None:
 
 
 @dataclass(frozen=True)
-class ExploreOptions(RecipeOptions):
+class ExploreOptions(given.RecipeOptions):
     output: str = given.output(required=True, help="The page, an HTML file.")
     force: bool = given.force()
 
 
 @dataclass(frozen=True)
 class PaperOptions:
-    output: str = option(
+    output: str = given.option(
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )
     force: bool = given.force()
     as_json: bool = given.as_json()
 
 
-@command("source", ExploreOptions)
+@given.command("source", ExploreOptions)
 def explore(source: str, options: ExploreOptions) -> None:
     """Write a page on which the robot of SOURCE is moved by hand.
 
@@ -123,7 +114,7 @@ def explore(source: str, options: ExploreOptions) -> None:
         folder = devices.ExportFolder(source)
         recipe, answers = folder.recipe(), answers_of_export(folder)
     else:
-        recipe = open_recipe(source, options.allow_python)
+        recipe = given.open_recipe(source, options.allow_python)
         answers = answers_of_recipe(recipe)
     write_text(options.output, page_text(recipe, answers), force=options.force)
     report = {
@@ -136,7 +127,7 @@ def explore(source: str, options: ExploreOptions) -> None:
     show(report, silent, options.as_json)
 
 
-@command(None, PaperOptions)
+@given.command(None, PaperOptions)
 def paper(options: PaperOptions) -> None:
     """Reproduce the paper: its three simulations, figures and one page.
 
@@ -149,6 +140,6 @@ def paper(options: PaperOptions) -> None:
     """
     from lutgen.paper import write_report
 
-    page = str(write_report(options.output, lambda what: log.info("%s", what), options.force))
+    page = str(write_report(options.output, lambda what: given.log.info("%s", what), options.force))
     report = {"folder": options.output, "page": page}
     show(report, lambda report: [report["page"]], options.as_json)

@@ -48,8 +48,7 @@ class Options(RunOptions):
     lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
-        default="sdg",
-        help="What control makes best: a channel, or a sum such as sdg+0.1*height.",
+        default="sdg", help="What control makes best: a channel, or a sum such as sdg+0.1*height."
     )
     convention: str = given.convention(
         "plane", "body", "Whether the path gives the attitude of the ground or that of the body."

@@ -52,11 +52,7 @@ def draw_polar(view: View) -> Figure:
 
 @in_house_style
 def draw_limits(
-    recipe: Recipe,
-    posture: PostureLimits,
-    swept: SweepLimits | None = None,
-    *,
-    worst: bool = True,
+    recipe: Recipe, posture: PostureLimits, swept: SweepLimits | None = None, *, worst: bool = True
 ) -> Figure:
     """Draw the largest tilt of the body before it tips over in each heading.
 
