@@ -141,11 +141,8 @@ def test_limits_over_all_postures_are_those_of_a_double_loop(text):
     np.testing.assert_allclose(every[found.most_at, across], found.most, atol=1e-12)
     assert (found.most - found.least).max() > 0.02
     alone = [posture_limits(Posture(robot, row)).guaranteed for row in rows]
-    assert (
-        found.guaranteed.tolist()
-        == alone
-        == np.maximum(level_angles(robot, rows, "plane"), 0.0).tolist()
-    )
+    expected = np.maximum(level_angles(robot, rows, "plane"), 0.0).tolist()
+    assert found.guaranteed.tolist() == alone == expected
 
 
 def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused():

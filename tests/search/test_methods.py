@@ -21,10 +21,9 @@ class Counted:
         return self.function(points)
 
 
-def refined(cost, *more):
+def refined(cost, bounds, *more):
     """Return the steps of one search alone."""
-    bounds, *rest = more
-    return refine(lambda nodes: cost(nodes[0])[None], bounds, 1, *rest)[0]
+    return refine(lambda nodes: cost(nodes[0])[None], bounds, 1, *more)[0]
 
 
 def bowl(points):
