@@ -149,6 +149,5 @@ def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: flo
     """Return arc b of the boundary with its numbers."""
     stance, names = posture.stance, posture.recipe.contact_names
     i, j = (int(stance.region.source[c]) for c in stance.region.arc[b]["contacts"])
-    return TipAxis(
-        (i, j), (names[i], names[j]), stance.start[b], stance.stop[b], angle, margin, energy
-    )
+    ends = stance.start[b], stance.stop[b]
+    return TipAxis((i, j), (names[i], names[j]), *ends, angle, margin, energy)

@@ -161,9 +161,8 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     roll = np.cross(posture.disc_axes[list(facet.touching)], facet.normal) @ frame.T
     size = np.linalg.norm(roll, axis=1, keepdims=True)
     roll = roll / np.where(size > 0.0, size, 1.0)
-    motion = np.array(
-        [BRAKED if not one.rolling else DISC if one.kind == "disc" else SPHERE for one in contacts]
-    )
+    free = [DISC if one.kind == "disc" else SPHERE for one in contacts]
+    motion = np.where([one.rolling for one in contacts], free, BRAKED)
     if loads == "every":
         order = np.argsort(corners @ (motion == BRAKED), kind="stable")
         return float(least_of_each(motion, corners[order], arm, roll))

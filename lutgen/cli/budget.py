@@ -201,9 +201,8 @@ def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
         return
     on = f" on a bump of {bump:g} m" if bump else ""
     yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"
-    table = [
-        ["slope", *(f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]), "one contact"]
-    ]
+    headings = [f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]]
+    table = [["slope", *headings, "one contact"]]
     for row in rows:
         speeds = [*row["stop_speeds_m_s"].values(), row["stop_speed_m_s"]]
         table.append([output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)])

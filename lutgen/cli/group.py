@@ -35,9 +35,8 @@ class Group(click.Group):
         except errors.LutgenError as error:
             text = errors.readable(str(error))
             # The faults of a recipe are a line each.
-            failure = click.ClickException(
-                text if isinstance(error, errors.RecipeError) else errors.one_line(text)
-            )
+            text = text if isinstance(error, errors.RecipeError) else errors.one_line(text)
+            failure = click.ClickException(text)
             failed = isinstance(error, errors.ExportError | errors.SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT

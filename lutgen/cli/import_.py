@@ -211,9 +211,8 @@ def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Float
 
 def packages(options: Options) -> dict[str, Path]:
     """Return the folders of packages that are given."""
-    found = {
-        name: Path(folder) for name, folder in pairs("--package", "NAME=DIR", options.packages)
-    }
+    texts = pairs("--package", "NAME=DIR", options.packages)
+    found = {name: Path(folder) for name, folder in texts}
     for name, folder in found.items():
         if not folder.is_dir():
             what = f"{name} is in no folder that there is"

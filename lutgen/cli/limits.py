@@ -71,9 +71,8 @@ def limits(recipe: str, options: Options) -> None:
     report = limits_report(robot, found)
     report["posture_from"] = given.posture_source(robot, options.assignments) or "given"
     if options.least_share:
-        report["share_limits"] = [
-            share_entry(posture, *one, options.convention) for one in options.least_share
-        ]
+        wanted, convention = options.least_share, options.convention
+        report["share_limits"] = [share_entry(posture, *one, convention) for one in wanted]
     if swept is not None and options.over_all:
         report["all_postures"] = all_postures(robot, swept)
     if swept is not None and options.best:

@@ -256,9 +256,8 @@ def named_values(
             way_out = f"it has {', '.join(known) or 'none'}"
             reject(recipe.source, f"there is no parameter {name!r}", got, way_out, InputError)
         if name in found:
-            reject(
-                recipe.source, f"parameter {name} is given twice", got, "leave one out", InputError
-            )
+            what = f"parameter {name} is given twice"
+            reject(recipe.source, what, got, "leave one out", InputError)
         found[name] = numbers[0] if len(numbers) == 1 else np.array(numbers)
     return found
 
@@ -288,11 +287,10 @@ def posture_source(recipe: "robots.Recipe", given: Assignments) -> str:
     """Return where the posture comes from that `posture_values` gives; "" if all of it is given."""
     names = [p.name for p in recipe.parameters]
     rest = [name for name in names if name not in dict(given)]
-    home = [name for name in rest if name in recipe.home]
-    middle = [name for name in rest if name not in recipe.home]
-    found = {
-        words: part for words, part in (("home", home), ("middle of the range", middle)) if part
-    }
+    found: dict[str, list[str]] = {}
+    for name in sorted(rest, key=lambda name: name not in recipe.home):
+        words = "home" if name in recipe.home else "middle of the range"
+        found.setdefault(words, []).append(name)
     if len(found) == 1 and rest == names:
         return next(iter(found))
     return "; ".join(f"{words}: {', '.join(part)}" for words, part in found.items())

@@ -58,6 +58,7 @@ def weigh(recipe: str, options: Options) -> None:
     if options.output is not None:
         write_text(options.output, analysis.corrected(robot, found), options.force)
     advice: dict[str, Any] | None = None
+    axes = zip("xyz", found.com_std, strict=True)
     if found.advice is not None:
         posture = output.by_unit(robot, np.array(found.advice.params))
         known = output.entries(found.advice, "slope_deg heading_deg com_std")
@@ -68,9 +69,7 @@ def weigh(recipe: str, options: Options) -> None:
         "mass_std": found.mass_std,
         "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
         **output.entries(found, "com_shift com_std"),
-        "com_open": [
-            axis for axis, std in zip("xyz", found.com_std, strict=True) if std == math.inf
-        ],
+        "com_open": [axis for axis, std in axes if std == math.inf],
         "readings": [*residual_entries(readings, found)],
         "next": advice,
         "keys": analysis.correction(robot, found),

@@ -78,9 +78,8 @@ def plane_words(view: View, best: Best | None) -> tuple[str, str]:
     where, one = gravity_text(view.gravity_dir, view.convention), QUANTITIES[view.channel]
     what = "How far it can lean from there before it tips over"
     if view.channel != "tip_angle":
-        what = (
-            f"{one.label[0].upper()}{one.label[1:]}: {'small' if one.sign > 0 else 'large'} is good"
-        )
+        good = "small" if one.sign > 0 else "large"
+        what = f"{one.label[0].upper()}{one.label[1:]}: {good} is good"
     note = f"{named(view.recipe, view.params, view.axes, where)}\n{what}."
     if best is None:
         return f"Tips over in every posture, {where}", note

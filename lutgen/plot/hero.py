@@ -57,9 +57,8 @@ def _disc(axes: Axes, view: View) -> None:
     """Draw the tip-over angle under every gravity, and the worst heading in red."""
     line, inside, down = disc.raster(500, 90.0)
     body = View(view.recipe, None, view.params, DOWN, "tip_angle")
-    values = disc.filled(
-        inside, np.degrees(body.exact(view.params, down, "tip_angle")["tip_angle"])
-    )
+    angle = body.exact(view.params, down, "tip_angle")["tip_angle"]
+    values = disc.filled(inside, np.degrees(angle))
     tips = np.where(inside, values < 0.0, np.nan)
     disc.colour_disc(axes, line, values, tips, Scale(body, values))
     worst = posture_limits(Posture(view.recipe, view.params), "body").worst

@@ -168,9 +168,8 @@ class _Gif(PillowWriter):
         frames: Any = vars(self)["_frames"]
         whole: list[Any] = [frame.convert("RGB") for frame in frames]
         some = [np.asarray(whole[i]) for i in sorted({0, len(whole) // 2, len(whole) - 1})]
-        palette = Image.fromarray(np.concatenate(some)).quantize(
-            COLOURS, Image.Quantize.MAXCOVERAGE
-        )
+        typical = Image.fromarray(np.concatenate(some))
+        palette = typical.quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
         few = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in whole]
         look: dict[str, Any] = {"duration": round(1000 / self.fps), "loop": 0, "comment": b"lutgen"}
         few[0].save(self.outfile, save_all=True, append_images=few[1:], **look)
@@ -242,9 +241,8 @@ class _Film:
 
     def show(self, i: int) -> None:
         """Show point i."""
-        for axes, title, (name, run) in zip(
-            self.panels, self.titles, self.runs.items(), strict=True
-        ):
+        drawn = zip(self.panels, self.titles, self.runs.items(), strict=True)
+        for axes, title, (name, run) in drawn:
             axes.clear()
             scene = draw_scene(bare(axes), self.recipe, run.params[i], run.gravity_body[i], 0.7)
             (x, y), wide, high = scene.com, 1.75 * self.reach, 1.45 * self.reach

@@ -176,9 +176,8 @@ class Plane:
         spans = [float(np.ptp(self.fx)), float(np.ptp(self.fy))]
         far = np.hypot(*np.meshgrid(self.fx / spans[0], self.fy / spans[1]))
         inside = depth >= INSIDE * depth.max()
-        row, column = np.unravel_index(
-            int(np.argmin(np.where(inside, far, np.inf))), self.big.shape
-        )
+        nearest = int(np.argmin(np.where(inside, far, np.inf)))
+        row, column = np.unravel_index(nearest, self.big.shape)
         return float(self.fx[column]), float(self.fy[row]), float(self.big[row, column])
 
 

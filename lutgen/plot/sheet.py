@@ -49,9 +49,8 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     if size is not None:
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?", size.strip())
         if found is None:
-            reject(
-                "figure", "a size is WIDTH or WIDTHxHEIGHT in mm", repr(size), "try 85", InputError
-            )
+            what = "a size is WIDTH or WIDTHxHEIGHT in mm"
+            reject("figure", what, repr(size), "try 85", InputError)
         width, height = (None if part is None else float(part) for part in found.groups())
         for part in (width, height):
             if part is not None and not NARROWEST <= part <= WIDEST:

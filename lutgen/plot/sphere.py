@@ -41,10 +41,9 @@ def draw_sphere(view: View) -> Figure:
     scale = Scale(view, np.where(tips == 0.0, values, np.nan))
     sentence = _sentence(view, np.where(tips == 0.0, values, np.nan))
     good = "Bright: far from tipping over" if view.channel == "tip_angle" else "Bright is good"
-    note = (
-        f"{named(view.recipe, view.params)}\nMiddle: body level; the further out, the more it is "
-    )
-    figure, axes = view.page(6.6, (0.02, 0.2, 6.55, 6.4), sentence, f"{note}tilted. {good}.")
+    where = "Middle: body level; the further out, the more it is tilted"
+    note = f"{named(view.recipe, view.params)}\n{where}. {good}."
+    figure, axes = view.page(6.6, (0.02, 0.2, 6.55, 6.4), sentence, note)
     disc.colour_disc(axes, line, values, tips, scale)
     disc.name_headings(axes)
     disc.name_lines(axes, values, scale)
@@ -90,10 +89,8 @@ def _name_level(axes: Axes, view: View) -> None:
         value = float(QUANTITIES[view.channel].shown(found[view.channel][0]))
         plate = {"boxstyle": "round,pad=0.22", "facecolor": "white", "edgecolor": "none"}
         words = f"level {quantity_text(view.recipe, view.channel, value)}"
-        text = axes.text(
-            -0.06, 0.0, words, ha="right", va="center", size=10, color=BLACK, bbox=plate
-        )
-        text.set_zorder(8)
+        text = axes.text(-0.06, 0.0, words, ha="right", va="center", size=10, bbox=plate)
+        text.set(color=BLACK, zorder=8)
 
 
 def _sentence(view: View, values: Floats) -> str:

@@ -164,9 +164,8 @@ def page(height: float, sentence: str, note: str) -> Figure:
     """
     figure, lines = new_figure((WIDTH, height)), []
     title = figure.text(0.03, 1.0, sentence, size=15, weight="bold", va="top")
-    below = figure.text(
-        0.03, 1.0, note, size=10.5, va="top", color=colours().soft, linespacing=1.35
-    )
+    below = figure.text(0.03, 1.0, note, size=10.5, va="top", linespacing=1.35)
+    below.set_color(colours().soft)
     for text, longest in ((title, 66), (below, 104)):
         fit(text, 0.94 * WIDTH, range(longest, 16, -6))
         lines.append(text.get_text().count("\n") + 1)

@@ -139,9 +139,8 @@ def nelder_mead(
         "fatol": np.inf,
         "maxfev": EVALUATIONS * k,
     }
-    found = minimize(
-        one, first, method="Nelder-Mead", bounds=[(0.0, 1.0)] * k, callback=note, options=options
-    )
+    how = {"method": "Nelder-Mead", "bounds": [(0.0, 1.0)] * k, "options": options}
+    found = minimize(one, first, callback=note, **how)
     steps.append(Step(low + np.asarray(found.x) * width, float(found.fun), seen, none))
     return steps
 

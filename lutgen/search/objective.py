@@ -67,9 +67,8 @@ class Objective:
     def __post_init__(self) -> None:
         self.weights = parse_objective(self.text)
         if self.convention not in CONVENTIONS:
-            raise InputError(
-                f"unknown convention {self.convention!r}; choose from {', '.join(CONVENTIONS)}"
-            )
+            known = ", ".join(CONVENTIONS)
+            raise InputError(f"unknown convention {self.convention!r}; choose from {known}")
         undefined = [name for name in UNLOADED if name in self.weights]
         if self.recipe.loaded and undefined:
             what = f"{undefined[0]} is not defined under a force or with com_uncertainty"

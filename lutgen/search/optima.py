@@ -131,11 +131,9 @@ def optimum(
         acceptable[space.free] = found * space.factor[:, None]
         delta[space.free] = half_widths(found, best.params, space.box) * space.factor
     trace = tuple(_named(step, goal, space) for step in steps)
-    shown, standing = _named(best, goal, space), best.value < TIPS
-    asked = (method, objective, convention)
-    return Optimum(
-        shown.params, shown.value, standing, evaluations, trace, acceptable, delta, *asked
-    )
+    shown = _named(best, goal, space)
+    seen = (shown.params, shown.value, best.value < TIPS, evaluations, trace)
+    return Optimum(*seen, acceptable, delta, method, objective, convention)
 
 
 def searched_each(
