@@ -5,6 +5,7 @@ Angles that were computed are whole degrees, rounded down, so that what is print
 
 import math
 import re
+import textwrap
 import unicodedata
 from collections.abc import Sequence
 from typing import Any
@@ -19,8 +20,8 @@ from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-# What is not broken: a formula, or letters without a space.
-_WORD = re.compile(r"(?:(?<!\\)\$[^$\n]*(?<!\\)\$|\\\$|[^\s$])+|\n")
+# What is not broken.
+_FORMULA = re.compile(r"(?<!\\)\$.*?(?<!\\)\$")
 GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
     *("mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
@@ -32,42 +33,20 @@ COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", 
 NAMES = {"disc": "wheels", "point": "feet", "sphere": "balls"}
 
 
-def printed(text: str) -> int:
-    r"""Return how many characters a text takes in print: a formula counts as one.
-
-    Examples
-    --------
-    >>> printed(r"$\alpha$ = 3")
-    5
-    """
-    return len(re.sub(r"(?<!\\)\$.*?(?<!\\)\$", "x", text))
-
-
 def folded(text: str, longest: int) -> str:
-    r"""Return a text in lines of at most so many characters; longer words are cut.
+    r"""Return a text in lines of at most so many characters, where a formula counts as one.
+
+    Longer words are cut.
 
     Examples
     --------
     >>> folded("front left wheel", 11)
     'front left\nwheel'
     """
-    lines = [""]
-    for word in _WORD.findall(text):
-        if word == "\n":
-            lines.append("")
-            continue
-        space = " " if lines[-1] else ""
-        if lines[-1] and printed(lines[-1] + space + word) > longest:
-            lines.append("")
-            space = ""
-        while printed(word) > longest and "$" not in word:
-            # Behind a mark that joins words, if there is one.
-            cut = max(word.rfind("_", 0, longest), word.rfind("-", 0, longest)) + 1 or longest
-            lines[-1] += space + word[:cut]
-            lines.append("")
-            word, space = word[cut:], ""
-        lines[-1] += space + word
-    return "\n".join(lines)
+    short, formulas = _FORMULA.sub("\0", text), iter(_FORMULA.findall(text))
+    lines = [textwrap.wrap(line, longest, break_on_hyphens=False) for line in short.split("\n")]
+    whole = "\n".join("\n".join(line) for line in lines)
+    return re.sub("\0", lambda _: next(formulas), whole)
 
 
 def fit(text: Text, width: float, lengths: Sequence[int]) -> None:
