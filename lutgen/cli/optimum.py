@@ -1,7 +1,7 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,14 +72,14 @@ def optimum(recipe: str, options: Options) -> None:
     robot = open_recipe(recipe, options.allow_python)
     kept = stored_values(robot, options.assignments)
     one = QUANTITIES.get(options.objective.strip())
-    box = bounds_of(robot, kept, options)
+    box, start = space_of(robot, kept, options)
     found = searches.optimum(
         robot,
         options.gravity,
         options.method,
         options.objective,
         bounds=box or None,
-        start=start_of(robot, kept, box, options) if options.start else None,
+        start=start,
         limit=options.limit if options.limit is None or one is None else one.stored(options.limit),
         **entries(options, "convention levels ends seed"),
     )
@@ -108,36 +108,29 @@ def optimum(recipe: str, options: Options) -> None:
     show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
 
 
-def bounds_of(
+def space_of(
     robot: "robots.Recipe", kept: Mapping[str, float], options: Options
-) -> list[tuple[float, float]]:
-    """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
-    bounds = stored_values(robot, options.bounds, "--bounds")
+) -> tuple[list[Any], list[float] | None]:
+    """Return the bounds (rad, length) of all parameters, and where the search begins, if told.
+
+    Bounds of a kept parameter are equal; where nothing is said of one it begins in the middle.
+    """
+    for flag, told in (("--bounds", options.bounds), ("--start", options.start)):
+        for name, *_ in told:
+            if name in kept:
+                what, got = f"parameter {name} has a value already", f"-p as well as {flag} {name}"
+                reject(robot.source, what, got, f"give it one -p or one {flag}", InputError)
     for name, low, high in options.bounds:
-        if name in kept:
-            what, got = f"parameter {name} has a value already", f"-p as well as --bounds {name}"
-            reject(robot.source, what, got, "give it one -p or one --bounds", InputError)
         if not low < high:
             what = f"the lower bound of {name} must be below the upper one"
             way_out = f"swap them, or write -p {name}={low:g} to keep it"
             reject("--bounds", what, f"{low:g}:{high:g}", way_out, InputError)
-    bounds |= {name: (value, value) for name, value in kept.items()}
-    return [bounds.get(p.name, (p.minimum, p.maximum)) for p in robot.parameters]
-
-
-def start_of(
-    robot: "robots.Recipe",
-    kept: Mapping[str, float],
-    box: Sequence[tuple[float, float]],
-    options: Options,
-) -> list[float]:
-    """Return where the search begins (rad, length): in the middle where nothing is said."""
+    box = {p.name: (p.minimum, p.maximum) for p in robot.parameters}
+    box |= stored_values(robot, options.bounds, "--bounds")
+    box |= {name: (value, value) for name, value in kept.items()}
     start = stored_values(robot, options.start, "--start")
-    if both := [name for name in start if name in kept]:
-        what, got = f"parameter {both[0]} has a value already", f"-p as well as --start {both[0]}"
-        reject(robot.source, what, got, "give it one -p or one --start", InputError)
-    middle = {p.name: sum(ends) / 2.0 for p, ends in zip(robot.parameters, box, strict=True)}
-    return [*(middle | start).values()]
+    middle = {name: sum(ends) / 2.0 for name, ends in box.items()}
+    return [*box.values()], [*(middle | start).values()] if start else None
 
 
 def entry(key: str, values: Any, unit: str) -> dict[str, Any]:
