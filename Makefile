@@ -18,8 +18,11 @@ vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -type f -not -name '*.so' -not -path '*/__pycache__/*')
 UV := $(shell command -v uv 2>/dev/null)
-VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
-INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq --no-compile) -e
+VENV := $(if $(UV),uv venv --quiet --allow-existing --seed --python '>=3.11' .venv,$(PYTHON) -m venv .venv)
+PIP := $(BIN)/python -m pip install -qq
+# uv takes half the time of pip, but does not know pip's settings, as of a mirror.
+INSTALL = $(or $(UV),$(BIN)/uv) pip install --quiet --python $(BIN)/python -e '.[$(1)]' || $(PIP) -e '.[$(1)]'
+EXTRAS := test,dev
 # A sweep uses all cores, an export mostly one: two at a time, unless make was told otherwise.
 TWO := $(if $(filter -j%,$(MAKEFLAGS)),,$(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2)
 
@@ -98,12 +101,15 @@ clean: ## remove build/ and the caches, keep .venv
 .venv/.installed: pyproject.toml setup.py $(wildcard firmware_export/runtime/*.[ch])
 	@echo "installing into .venv and compiling the kernels: two or three minutes"
 	@$(VENV)
-	@$(INSTALL) '.[test,dev]'
-	@$(BIN)/lutgen -q sweep maps/paper_two.toml -o build/first.h5 --force
-	@$(BIN)/lutgen -q export build/first.h5 -o build/first --force && touch $@
+	@$(if $(UV),,$(PIP) uv)
+	@$(call INSTALL,$(EXTRAS))
+	@$(BIN)/lutgen -q sweep maps/paper_two.toml -o build/maps/paper_two.h5 --force
+	@$(BIN)/lutgen -q export build/maps/paper_two.h5 -o build/maps/paper_two/firmware --force
+	@touch build/maps/paper_two/firmware.stamp $@
 
 .venv/.%: .venv/.installed
-	@$(INSTALL) '.[$*]' && touch $@
+	@$(call INSTALL,$*)
+	@touch $@
 
 build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed
 	$(BIN)/lutgen import $< -o $@ --force --name absolem_urdf -j front_left_flipper_j \

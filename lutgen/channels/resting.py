@@ -133,9 +133,10 @@ def body_gravity(
             f"gravity must have the shape (3,) or ({count}, 3) (got {given.shape}); give one "
             "direction, or one for each posture"
         )
-    directions = np.ascontiguousarray(np.broadcast_to(given, (count, 3)))
+    # Not the read-only view itself: the kernel would be compiled once more for it.
+    directions = np.broadcast_to(given, (count, 3)).copy()
     if convention == "body":
-        return directions.copy()
+        return directions
     down = np.empty((count, 3))
     for_each_posture(_settle_some, recipe, posture, directions, acceptance_of(recipe), down)
     return down

@@ -44,18 +44,18 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     A figure keeps its shape: with a height it is as large as fits.
     """
     if style not in STYLES:
-        reject("figure", "unknown style", repr(style), f"use {', '.join(STYLES)}", InputError)
+        reject("style", "unknown style", repr(style), f"use {', '.join(STYLES)}", InputError)
     width = height = None
     if size is not None:
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?", size.strip())
         if found is None:
-            what = "a size is WIDTH or WIDTHxHEIGHT in mm"
-            reject("figure", what, repr(size), "try 85", InputError)
+            what = "must be WIDTH or WIDTHxHEIGHT in mm"
+            reject("size", what, repr(size), "try 85", InputError)
         width, height = (None if part is None else float(part) for part in found.groups())
         for part in (width, height):
             if part is not None and not NARROWEST <= part <= WIDEST:
-                what = f"it is {NARROWEST:g} to {WIDEST:g} mm wide and high"
-                reject("figure", what, f"{part:g}", "85 mm is a column of a journal", InputError)
+                what = f"a figure is {NARROWEST:g} to {WIDEST:g} mm wide and high"
+                reject("size", what, f"{part:g}", "85 mm is a column of a journal", InputError)
     token = _sheet.set(Sheet(width, height, style))
     try:
         yield

@@ -57,23 +57,6 @@ def test_parameters_beyond_their_limits_are_refused_such_as_degrees_for_radians(
     assert np.isfinite(lutgen.evaluate(recipe, ends, DOWN, ("tip_angle",))["tip_angle"]).all()
 
 
-@pytest.mark.parametrize(
-    ("params", "gravity", "channels"),
-    [
-        ([[0.1]], DOWN, ("sdg",)),
-        ([0.1, 0.2], DOWN, ("sdg",)),
-        ([[0.1, np.inf]], DOWN, ("sdg",)),
-        ([[0.1, 0.2]], [[0, 0, 0]], ("sdg",)),
-        ([[0.1, 0.2]], [[0, -1]], ("sdg",)),
-        ([[0.1, 0.2]], [[0, 0, np.nan]], ("sdg",)),
-        ([[0.1, 0.2]], DOWN, ("stability",)),
-    ],
-)
-def test_wrong_arguments_are_refused(params, gravity, channels):
-    with pytest.raises(InputError):
-        lutgen.evaluate(lutgen.parse_recipe(tripod()), params, gravity, channels)
-
-
 def test_feet_above_the_com_are_refused_in_a_sentence():
     message = refusal(rigid(feet([(x, y, -z) for x, y, z in FEET])))
     assert "P1, P2, P3" in message
@@ -104,8 +87,3 @@ def test_a_robot_that_stands_at_one_posture_of_its_map_is_accepted():
     # The front foot must be ahead of the com, which it is at the last but one knot only.
     text = tripod("reach = [0.0, 0.1, 0.2, 0.3, 0.5, 0.6], swing = 2", nodes=1)
     require_standing(lutgen.parse_recipe(text))
-
-
-def test_robots_on_wheels_and_without_parameters_are_accepted():
-    require_standing(lutgen.parse_recipe(rover()))
-    require_standing(lutgen.parse_recipe(rigid(feet(FEET))))

@@ -220,7 +220,7 @@ def test_same_figure_is_the_same_bytes_whatever_matplotlib_is_set_to(two, tmp_pa
         with mpl.rc_context({"font.size": size, "axes.grid": size > 30.0}):
             before, figure = dict(mpl.rcParams), plot.draw("polar", two)
             for suffix in ("png", "svg", "pdf"):
-                plot.save(figure, tmp_path / f"{name}.{suffix}")
+                plot.save(figure, tmp_path / f"{name}.{suffix}", dpi=40)
             assert dict(mpl.rcParams) == before
     for suffix in ("png", "svg", "pdf"):
         content = (tmp_path / f"odd.{suffix}").read_bytes()

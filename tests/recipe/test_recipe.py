@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.errors import RecipeError
+from lutgen.errors import InputError, RecipeError
 from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
-from lutgen.recipe import HDF5
+from lutgen.recipe import HDF5, forward
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.every_key import CODED, EVERYTHING
 from tests.fixtures.pulled import BOX
@@ -177,6 +177,7 @@ def flat(q): return np.zeros((len(q), 3)), np.zeros((len(q), 3))
 def pair(q): return np.zeros((len(q), 2, 3)), np.zeros((len(q), 3))
 def lone(q): return np.zeros((len(q), 3, 3))
 def lost(q): return np.full((len(q), 3, 3), np.nan), np.zeros((len(q), 3))
+def late(q): return feet(q) if len(q) == 1 and q[0, 0] < 9.0 else (np.zeros((2, 3, 3)), q)
 number = 3
 """
 
@@ -208,6 +209,11 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
     contacts, com = recipe.function(np.array([[2.0]]))
     assert contacts[0, 0].tolist() == [2.0, 0.0, -1.0]
     assert com.tolist() == [[0.0, 0.0, 0.5]]
+    assert forward(recipe, [[2.0]]).centres[0, 0].tolist() == [2.0, 0.0, -1.5]
+    late = coded("coded_robot:late")
+    assert forward(late, [[3.0]]).com.tolist() == [[0.0, 0.0, 0.5]]
+    with pytest.raises(InputError, match=r"must return contacts \(8, 3, 3\)"):
+        forward(late, np.zeros((8, 1)))
 
 
 @pytest.mark.parametrize(

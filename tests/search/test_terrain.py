@@ -74,19 +74,6 @@ def test_on_a_slope_gravity_is_as_the_heading_says(heading):
     assert path.distance == pytest.approx(np.array([0.0, 1.0, 3.0]) * math.hypot(climb, 1.0))
 
 
-def test_round_a_cone_gravity_stays_on_the_side_of_the_axis():
-    # Counter-clockwise inside a funnel: the wall rises to the right.
-    angle = np.linspace(0.0, 2.0 * np.pi, 400)
-    circle = np.column_stack([np.cos(angle), np.sin(angle), np.full(400, 3.0)])
-    normal = np.column_stack([-SIN * np.cos(angle), -SIN * np.sin(angle), np.full(400, COS)])
-    path = along(circle, normal=normal)
-    # One-sided differences look half a step, 0.45 deg, aside at both ends.
-    np.testing.assert_allclose(path.gravity[1:-1], np.tile([0.0, SIN, -COS], (398, 1)), atol=1e-9)
-    np.testing.assert_allclose(path.gravity, np.tile([0.0, SIN, -COS], (400, 1)), atol=0.01)
-    # Without normals nobody knows of the wall.
-    np.testing.assert_allclose(along(circle).gravity, [[0, 0, -1]] * 400, atol=1e-15)
-
-
 def test_a_circle_has_its_own_tangents_although_the_points_are_uneven():
     # Neighbouring steps of 1 to 5: the direction between both neighbours would be 2.3 deg off.
     angle = np.cumsum([0.0, *(0.02, 0.1) * 7])
@@ -161,13 +148,6 @@ def written(folder, text):
     file = folder / "path.csv"
     file.write_bytes(text.encode())
     return read_path(file)
-
-
-def test_a_file_gives_the_path_that_its_numbers_give(tmp_path):
-    path = written(tmp_path, "x,y,z\n0,0,0\n1.5,0,1e0\n\n2.5,1,-1\n")
-    expected = along([[0, 0, 0], [1.5, 0, 1], [2.5, 1, -1]])
-    for name in ("position", "heading", "gravity"):
-        np.testing.assert_array_equal(getattr(path, name), getattr(expected, name))
 
 
 def test_columns_come_in_any_order_and_headings_in_degrees(tmp_path):

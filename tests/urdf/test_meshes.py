@@ -220,15 +220,6 @@ def test_a_ball_and_the_end_of_a_capsule_are_a_sphere(body):
     assert reach_of(found, DOWN) == pytest.approx(-low, abs=2e-4)
 
 
-@pytest.mark.parametrize("lean", [0.0, 0.1])
-def test_a_sole_of_a_box_is_its_four_lower_corners(lean):
-    found = foot_of(box(0.2, 0.1, 0.05) + np.array([0.05, 0, 0]), rotation((0.0, lean, 0.0)) @ DOWN)
-    assert found.kind == "points"
-    corners = np.array(found.size).reshape(-1, 3).tolist()
-    assert corners == [[x, y, -0.025] for x in (-0.05, 0.15) for y in (-0.05, 0.05)]
-    assert "at most 0.00 mm inside of its rim and 0.00 mm above its plane" in found.note
-
-
 def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside():
     turn = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
     rim = np.stack([0.12 * np.cos(turn), 0.05 * np.sin(turn), 0.0 * turn], axis=1)
