@@ -272,11 +272,8 @@ def _check_columns(
             reject(source, f"line 1 names no column {name}", got, way_out, InputError)
     for name in names:
         if name not in known:
-            what, way_out = (
-                f"the unknown column {name!r}",
-                f"leave only columns of {', '.join(known)}",
-            )
-            reject(source, f"line 1 names {what}", got, way_out, InputError)
+            what = f"line 1 names the unknown column {name!r}"
+            reject(source, what, got, f"leave only columns of {', '.join(known)}", InputError)
     if len(set(names)) < len(names):
         reject(source, "line 1 names a column twice", got, "rename or drop one", InputError)
 
