@@ -8,14 +8,12 @@ import numpy as np
 
 from firmware_export.control.steering import Steering
 from lutgen import bounds
-from lutgen.chart import unit_directions
+from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.search import Path, read_rows
 from lutgen.vector import Floats
 
-# m/s^2.
-GRAVITY = 9.80665
 UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
 
 
@@ -55,7 +53,7 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
             np.interp(at, path.distance, np.unwrap(path.heading)),
             unit_directions(_between(at, path.distance, path.gravity)),
         )
-    return Ride(path, path.gravity, np.full(len(path.gravity), GRAVITY))
+    return Ride(path, path.gravity, np.full(len(path.gravity), STANDARD_GRAVITY))
 
 
 def read_log(
