@@ -6,7 +6,7 @@ import pytest
 import lutgen
 from lutgen.errors import InputError, RecipeError
 from lutgen.mapping.compute import require_standing
-from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rover, tripod
+from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, tripod
 
 FEET = [(1.0, 0.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)]
 DOWN = [[0.0, 0.0, -1.0]]
@@ -32,10 +32,6 @@ def test_evaluate_of_point_feet_is_stability_of_their_postures():
     for name in ALL_CHANNELS:
         assert got[name].shape == (15, 40)
         np.testing.assert_array_equal(got[name], want[name])
-
-
-def test_evaluate_returns_the_two_main_channels_unless_told_otherwise():
-    assert set(lutgen.evaluate(lutgen.parse_recipe(rover()), [[0.4]], DOWN)) == {"sdg", "tip_angle"}
 
 
 def test_the_recipes_limits_count():
