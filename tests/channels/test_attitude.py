@@ -19,12 +19,6 @@ UP = np.array([0.0, 0.0, 1.0])
 ROUNDING = 1e-14
 
 
-def test_gravity_fixed_in_the_body_is_the_same_in_every_posture():
-    recipe = lutgen.load_recipe(MAPS / "paper_one.toml")
-    down = body_gravity(recipe, [[0.1], [0.8]], [0.3, 0.0, -0.4], "body")
-    assert down == pytest.approx(np.array([[0.6, 0.0, -0.8]] * 2), abs=ROUNDING)
-
-
 def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet():
     recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
     params = np.radians(np.random.default_rng(2).uniform(0.0, 50.0, (40, 2)))
