@@ -112,13 +112,14 @@ def _tracks(model: Model) -> Tracks | None:
     t[: LOOKED // 2] = t[: LOOKED // 2].round()
     where, axis = model.postures(model.at(t)), np.array([0.0, 1.0, 0.0])
     axes = where.axes[:, shown][:, kinds == DISC]
+    if np.abs(axes[..., 2]).max(initial=0.0) > SAME:
+        return None
     if axes.size:
         # Either way along the axle; that next to y needs no turn there and back.
         axis = axes[0, 0].round(12) * (-1.0 if tuple(axes[0, 0, 1::-1]) < (0.0, 0.0) else 1.0) + 0.0
         axis[2] = 0.0
         axis /= math.hypot(*axis)
-        across = np.cross(axes, axis)
-        if np.abs(across).max() > SAME or np.abs(axes[..., 2]).max() > SAME:
+        if np.abs(np.cross(axes, axis)).max() > SAME:
             return None
     along = (where.centres[:, shown] + where.com[:, None]) @ axis
     # Places next to each other are one, so that contacts of a track keep their order.

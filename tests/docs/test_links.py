@@ -1,11 +1,17 @@
-"""What the documents lead to is there; links between pages are checked where the site is built."""
+"""What documents and sources lead to and name is there."""
 
+import pkgutil
 import re
+
+import pytest
 
 from tests.fixtures.places import DOCUMENTS, ROOT, SOURCES
 
 # `search/driving` is a source, too.
 ENDS = ("", ".py")
+NAME = re.compile(r"(?<![\w/.-])((?:lutgen|firmware_export)(?:\.[a-zA-Z_]\w*)+)")
+# A name that ends like this is that of a file.
+FILES = {"c", "csv", "gif", "h", "h5", "json", "md", "png", "svg", "toml", "urdf"}
 
 
 def prose(page):
@@ -49,3 +55,18 @@ def test_every_file_of_the_runtime_that_a_source_names_is_there():
         if not (runtime / name).exists()
     ]
     assert missing == []
+
+
+@pytest.mark.parametrize("pages", [DOCUMENTS, SOURCES], ids=["documents", "sources"])
+def test_every_dotted_name_of_a_document_resolves(pages):
+    gone = []
+    # The changelog says what names were before.
+    for page in (page for page in pages if page.name != "CHANGELOG.md"):
+        text = page.read_text(encoding="utf-8")
+        for name in NAME.findall(text):
+            if name.rpartition(".")[2] not in FILES:
+                try:
+                    pkgutil.resolve_name(name)
+                except (ImportError, AttributeError):
+                    gone.append(f"{page.name}: {name}")
+    assert gone == []

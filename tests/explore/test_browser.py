@@ -2,6 +2,8 @@
 
 import json
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,53 @@ from firmware_export.host import Host
 from lutgen.channels import body_gravity
 
 pytestmark = pytest.mark.needs("chromium", "chromedriver", "selenium")
+# Software rendering, which is what machines without a screen have.
+FLAGS = (
+    *("--headless=new", "--no-sandbox", "--window-size=1280,860", "--disable-dev-shm-usage"),
+    *("--enable-unsafe-swiftshader", "--use-angle=swiftshader"),
+)
+PATIENCE = 60.0
+
+
+class Browser:
+    """Chromium with one page."""
+
+    def __init__(self) -> None:
+        from selenium import webdriver
+
+        options = webdriver.ChromeOptions()
+        for flag in FLAGS:
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver: Any = webdriver.Chrome(
+            options, webdriver.ChromeService("/usr/bin/chromedriver")
+        )
+
+    def open(self, page: Path, state: str = "") -> None:
+        """Open a page and wait for its first picture."""
+        self.driver.get("about:blank")  # another fragment alone would not load it again
+        self.driver.get(page.as_uri() + state)
+        self.until("globalThis.explorer?.disc.data")
+
+    def until(self, expression: str) -> None:
+        """Wait until an expression of the page is true."""
+        from selenium.webdriver.support.ui import WebDriverWait
+
+        WebDriverWait(self.driver, PATIENCE, 0.05).until(lambda _: self.ask(expression))
+
+    def ask(self, expression: str) -> Any:
+        """Return the value of an expression."""
+        return self.driver.execute_script(f"return {expression}")
+
+    def press(self, key: str) -> None:
+        """Press a button that has a key."""
+        self.driver.find_element("css selector", f"[data-key={key}]").click()
+
+    def complaints(self) -> list[str]:
+        """Return what stands in the console since the last call."""
+        return [entry["message"] for entry in self.driver.get_log("browser")]
+
+
 ROBOTS = ("paper_two", "three_leg_sphere", "absolem")
 STATES = 200
 ASK = """
@@ -46,11 +95,9 @@ def pages(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def browser():
-    from tests.fixtures.browser import Browser
-
     one = Browser()
     yield one
-    one.close()
+    one.driver.quit()
 
 
 def asked(browser, mode, params, down):

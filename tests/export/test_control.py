@@ -8,7 +8,6 @@ import pytest
 
 from firmware_export.contacts import INFO as contacts
 from firmware_export.control import maker, objective
-from firmware_export.control.table import polished
 from firmware_export.host import BLIND, Controller
 from firmware_export.protocol import Joint, Policy, describe
 from firmware_export.truth import Model
@@ -217,30 +216,3 @@ def test_of_many_contacts_a_budget_is_what_the_boundary_leaves():
     found = budgets(crawler(), 300)
     assert found.faults == 0
     assert found.share > 0.99
-
-
-def test_a_table_begins_from_one_posture_where_the_best_of_nodes_have_bad_ones_between():
-    def score(params, places):
-        return -np.abs(np.abs(params[:, 0]) - 2.0 - 0.2 * places[:, 0])
-
-    u = np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 2, indexing="ij")[0]
-    swings = ((2.0 + 0.2 * u) * (-1.0) ** np.add.outer(range(5), range(5)))[:, :, None]
-    alike, best = np.full((5, 5, 1), -2.0), np.zeros((5, 5))
-    ends, scale = (np.full(1, -3.0), np.full(1, 3.0)), np.ones(1)
-    places = np.random.default_rng(2).random((4000, 2))
-    lost = [
-        -score(_at(polished(tables, best, ends, scale, score), places), places).mean()
-        for tables in ([swings], [alike], [swings, alike])
-    ]
-    assert lost[2] == lost[1] < 0.03
-    assert lost[0] > 3.0 * lost[1]
-
-
-def _at(table, places):
-    """Return a table (n, n, 1) between its nodes, at places (m, 2)."""
-    n = len(table)
-    cell = np.minimum((places * (n - 1)).astype(int), n - 2)
-    u, v = (places * (n - 1) - cell).T[:, :, None]
-    i, j = cell.T
-    low = table[i, j] * (1.0 - v) + table[i, j + 1] * v
-    return np.asarray(low * (1.0 - u) + (table[i + 1, j] * (1.0 - v) + table[i + 1, j + 1] * v) * u)

@@ -1,18 +1,21 @@
 """From a recipe or a map to a folder: what is asked for is what comes out, certified."""
 
 import json
+import math
+import tracemalloc
 from dataclasses import replace
 
 import pytest
 
 import firmware_export
 import lutgen
-from firmware_export import exporter
+from firmware_export import choose, exporter
 from firmware_export.grid import lookup
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.fits import few_points, untried
+from tests.fixtures.linkage import coded
 from tests.fixtures.programs import contents
-from tests.fixtures.recipes import contact, feet, rigid, tripod
+from tests.fixtures.recipes import contact, feet, rigid, steered, tripod
 
 ALL = ("sdg", "tip_angle", "height")
 TEXT = tripod(nodes=5, channels=ALL)
@@ -105,13 +108,17 @@ def test_a_limit_that_nothing_meets_is_refused_and_nothing_is_written(tmp_path):
 
 
 def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(tmp_path):
-    assert list(run(tmp_path / "all", max_error="2%")["channels"]) == list(ALL)
-    only = run(tmp_path / "sdg", channels=["sdg"], max_error="2%")
-    assert list(only["channels"]) == ["sdg", "tip_angle"]
     two = lutgen.parse_recipe(tripod(nodes=5))
-    assert list(run(tmp_path / "two", two, max_error="2%")["channels"]) == ["sdg", "tip_angle"]
-    verdict = run(tmp_path / "tip", two, channels=["tip_angle"], max_error="2%")
-    assert list(verdict["channels"]) == ["tip_angle"]
+    for number, (recipe, asked, given) in enumerate(
+        (
+            (RECIPE, None, list(ALL)),
+            (RECIPE, ["sdg"], ["sdg", "tip_angle"]),
+            (two, None, ["sdg", "tip_angle"]),
+            (two, ["tip_angle"], ["tip_angle"]),
+        )
+    ):
+        found = run(tmp_path / str(number), recipe, channels=asked, points=1000)
+        assert list(found["channels"]) == given
 
 
 def test_what_means_nothing_is_refused_in_a_sentence(tmp_path):
@@ -131,58 +138,34 @@ def test_what_means_nothing_is_refused_in_a_sentence(tmp_path):
         assert list(tmp_path.iterdir()) == []
 
 
-PLUGIN = """
-import numpy as np
-
-def postures(q):
-    feet = np.zeros((len(q), 3, 3))
-    feet[:, 0, 0] = 1.0 + q[:, 0]
-    feet[:, 1, :2] = (-1.0, 1.0)
-    feet[:, 2, :2] = (-1.0, -1.0)
-    return feet, np.tile([0.0, 0.0, 0.8], (len(q), 1))
-"""
-
-
 def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(tmp_path):
-    (tmp_path / "plugin_export.py").write_text(PLUGIN)
-    head = '[robot]\nname = "plugin"\nlength_unit = "m"\npython = "plugin_export:postures"\n'
-    parameter = '[[robot.parameter]]\nname = "reach"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
-    sweep = '[sweep]\nsamples = { reach = 3 }\n[sweep.gravity]\nchart = "cone"\nnodes = 3\n'
-    path = tmp_path / "plugin.toml"
-    path.write_text(head + parameter + sweep + 'max_tilt = 40.0\nchannels = ["sdg"]\n')
+    path = tmp_path / "turning.toml"
+    path.write_text(coded("round_about").text)
     with pytest.raises(RecipeError, match="--allow-python"):
         run(tmp_path / "out", path)
     found = run(tmp_path / "out", path, allow_python=True, codec="grid", max_error="5%")
     assert found["false_safe"] == 0
     found = run(tmp_path / "series", path, allow_python=True, codec="contacts", max_error="5%")
     assert found["false_safe"] == 0
-    lutgen.sweep(lutgen.load_recipe(path, allow_python=True), tmp_path / "plugin.h5")
+    lutgen.sweep(lutgen.load_recipe(path, allow_python=True), tmp_path / "turning.h5")
     with pytest.raises(InputError, match="given by code, which a map does not hold"):
-        run(tmp_path / "other", tmp_path / "plugin.h5", allow_python=True)
+        run(tmp_path / "other", tmp_path / "turning.h5", allow_python=True)
 
 
-@pytest.fixture
-def tampered(monkeypatch):
-    """Return a function that makes `grid` encode something else than it should."""
-
-    def tamper(change):
-        encode = lookup.INFO.encode
-        monkeypatch.setattr(lookup.INFO, "encode", lambda *given: change(encode(*given)))
-
-    return tamper
-
-
-def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(tmp_path, tampered):
-    tampered(lambda tables: replace(tables, guard=0.0))
-    with pytest.raises(ExportError, match="guard"):
-        run(tmp_path / "out", codec="grid", max_error="2%")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_an_export_that_calls_most_of_what_stands_unsafe_is_refused(tmp_path, tampered):
-    tampered(lambda tables: replace(tables, guard=0.3))
-    with pytest.raises(ExportError, match=r"too much of what stands as unsafe.*more than 25 %"):
-        run(tmp_path / "out", codec="grid", flash="4KiB")
+@pytest.mark.parametrize(
+    ("guard", "limits", "fault"),
+    [
+        (0.0, {"max_error": "2%"}, "guard"),
+        (0.3, {"flash": "4KiB"}, r"too much of what stands as unsafe.*more than 25 %"),
+    ],
+)
+def test_a_codec_whose_guard_is_too_small_or_too_large_is_never_shipped(
+    tmp_path, monkeypatch, guard, limits, fault
+):
+    encode = lookup.INFO.encode
+    monkeypatch.setattr(lookup.INFO, "encode", lambda *given: replace(encode(*given), guard=guard))
+    with pytest.raises(ExportError, match=fault):
+        run(tmp_path / "out", codec="grid", **limits)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -237,3 +220,37 @@ def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(tmp_path, m
     assert found.error is not None
     assert found.error <= 1.0
     assert seen == sorted(set(seen)) or len(seen) == 1
+
+
+MIB = 1 << 20
+EIGHT = steered().replace("= 2", "= 61")
+
+
+def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(tmp_path, monkeypatch):
+    recipe = lutgen.parse_recipe(EIGHT)
+    assert len(recipe.parameters) == 8
+    # float32 of two channels: 10 to the 14 bytes and more.
+    assert 8 * recipe.grid.size * math.prod(recipe.chart.shape) > 1e14
+    # Candidates are compared on a fifth of the points: what is chosen is certified anyway.
+    monkeypatch.setattr(choose, "POINTS", 3000)
+    tracemalloc.start()
+    try:
+        report = run(tmp_path / "out", recipe)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # 8 nodes along each of 8 axes would be 128 MiB for a single number per node.
+    assert peak < 100 * MIB
+    found = report["certificate"]
+    assert found["false_safe"] == 0
+    assert found["channels"]["sdg"]["p99_percent"] <= 1.0
+    assert found["false_tip"] < 0.1
+    assert report.table_bytes <= 1024
+
+
+def test_a_grid_of_eight_parameters_is_refused_for_their_number(tmp_path):
+    with pytest.raises(ExportError, match=r"at most 6 parameters \(got 8\)") as caught:
+        run(tmp_path / "out", lutgen.parse_recipe(EIGHT), codec="grid")
+    assert "\n" not in str(caught.value)
+    assert "contacts" in str(caught.value)
+    assert not (tmp_path / "out").exists()

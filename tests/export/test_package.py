@@ -1,7 +1,9 @@
 """The export folder: what it holds, that it is a library, and that it is whole or not there."""
 
 import errno
+import math
 import os
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +11,11 @@ from pathlib import Path
 import pytest
 
 from firmware_export.emit import package, size
+from firmware_export.emit.facts import report
 from firmware_export.emit.render import texts
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
+from tests.fixtures.places import ROOT
 from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
 
@@ -29,18 +33,9 @@ def export():
     return tripod_export("feet")
 
 
-def full_disk(monkeypatch, after):
-    """Let the disk be full once this many files are written."""
-    write, count = Path.write_bytes, [0]
-
-    def write_bytes(self, data):
-        count[0] += 1
-        if count[0] > after:
-            write(self, data[: len(data) // 2])
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return write(self, data)
-
-    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+def text_of(export, name):
+    """Return a file of text of an export, in one line without marks of comments."""
+    return re.sub(r"[ \n*]+", " ", dict(texts(export, report(export)))[name])
 
 
 # contents
@@ -56,9 +51,13 @@ def test_the_folder_holds_these_files_and_its_report_lists_them(export, tmp_path
     (tmp_path / "another").mkdir()
     package.write(tripod_export("feet"), tmp_path / "another")
     assert contents(tmp_path / "another") == contents(tmp_path / "out")
+    assert (tmp_path / "out").stat().st_mode == (tmp_path / "another").stat().st_mode
+    licence = (ROOT / "LICENSE").read_bytes()
+    assert (tmp_path / "out" / "LICENSE").read_bytes() == licence
     for name, text in contents(tmp_path / "out").items():
         assert str(tmp_path).encode() not in text, name
-    assert (tmp_path / "out").stat().st_mode == (tmp_path / "another").stat().st_mode
+        silent = name.endswith((".json", ".md")) or name == "LICENSE"
+        assert silent or b"SPDX-License-Identifier: MIT" in text[:60], name
 
 
 def test_the_report_has_what_a_program_asks_for(export, tmp_path):
@@ -72,7 +71,7 @@ def test_the_report_has_what_a_program_asks_for(export, tmp_path):
         "display_unit": "deg",
         "min": export.recipe.parameters[1].minimum,
         "max": export.recipe.parameters[1].maximum,
-        "slack": pytest.approx(0.5 * 3.141592653589793 / 180.0),
+        "slack": pytest.approx(0.5 * math.pi / 180.0),
         "meaning": "turns hip",
     }
     assert content["chart"] == {"kind": "cone", "faces": 1, "max_tilt_deg": pytest.approx(50.0)}
@@ -85,25 +84,66 @@ def test_the_report_has_what_a_program_asks_for(export, tmp_path):
     assert content["pareto"] == PARETO
 
 
-def test_the_page_says_how_large_exact_safe_and_fast_it_is_and_how_to_call_it(export, tmp_path):
-    content = package.write(export, tmp_path / "out")
-    page = (tmp_path / "out" / "feet_report.md").read_text()
-    total = content["bytes"]["total"]
-    for part in (
-        f"Flash: at most {total:,} bytes",
-        "| `sdg` | stability factor \\|SD_g\\|, 0 at its most stable | m | 0.0123 m (0.82 %) |",
-        "safe where the robot tips: 0.",
-        "reported unsafe: 1.23 %",
-        "were not counted",
-        "| `FEET_SWING` | -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) | +- 0.5 deg | turns hip |",
-        "smap_pose(&feet, params, &pose.pose, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);",
-    ):
-        assert part in page, part
-    assert f"#define FEET_FLASH      {total}u" in (tmp_path / "out" / "feet.h").read_text()
-    assert len(page.splitlines()) < 70
+# @TOTAL@, @CODE@ and @DIGEST@ are replaced.
+HEADER = (
+    "stability map of the robot tripod",
+    "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
+    "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) +- 0.5 deg turns hip",
+    "up to 50 deg of pitch and of roll",
+    "at most @TOTAL@ bytes, the largest",
+    "@CODE@ of code",
+    "#define FEET_FLASH",
+    "#define FEET_POSE_BYTES 120u",
+    "#define FEET_STACK",
+    "Errors on 512,345 points",
+    "sdg 0.0123 m (0.82 %) 0.0045 m (0.3 %) 0.0011 m (0.073 %)",
+    "tip_angle 1.146 deg 0.573 deg 0.1146 deg",
+    "0 points are answered safe where the robot tips",
+    "stable configurations reported unsafe: 1.23 %",
+    "Recipe sha256 @DIGEST@",
+    "#define FEET_PARAMS 2",
+    "#define FEET_REACH 0",
+    "#define FEET_SWING 1",
+    "extern const smap_t feet;",
+    'extern "C" {',
+)
+PAGE = (
+    "Flash: at most @TOTAL@ bytes",
+    "| `sdg` | stability factor \\|SD_g\\|, 0 at its most stable | m | 0.0123 m (0.82 %) |",
+    "safe where the robot tips: 0.",
+    "reported unsafe: 1.23 %",
+    "were not counted",
+    "| `FEET_SWING` | -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) | +- 0.5 deg | turns hip |",
+    "smap_pose(&feet, params, &pose.pose, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);",
+)
 
 
-# a library for others
+@pytest.mark.parametrize(("name", "parts"), [("feet.h", HEADER), ("feet_report.md", PAGE)])
+def test_header_and_page_say_what_a_reader_must_know(export, name, parts):
+    told = {"@TOTAL@": f"{report(export)['bytes']['total']:,}"}
+    told |= {"@CODE@": f"{size.code_bytes('points'):,}", "@DIGEST@": export.recipe.digest}
+    text = text_of(export, name)
+    for part in parts:
+        for key, value in told.items():
+            part = part.replace(key, value)
+        assert part in text, part
+
+
+def test_what_has_no_bound_or_was_not_measured_is_not_claimed():
+    sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
+    jumps = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
+    assert "no bound, seen: 0.5 m (40 %)" in text_of(jumps, "rover.h")
+    text = text_of(tripod_export(certificate=None, pareto=None), "tripod.h")
+    assert "Errors: not measured." in text
+    assert "reported unsafe: not measured" in text
+    assert "bytes, measured" not in text
+
+
+def test_names_of_a_recipe_are_no_markup_on_the_page(export):
+    content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
+    text = dict(texts(export, content))["feet_report.md"]
+    assert "<script" not in text
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 
 
 @pytest.mark.parametrize(
@@ -130,16 +170,9 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(make, 
     assert float(values["height"][0]) == pytest.approx(exact.height[0, 0], abs=0.01)
     assert values["height"][1] == "m"
     # The guard is subtracted, the rest is far smaller.
-    degrees = 57.29578 * (exact.tip_angle[0, 0] - float(export.tables.guard))
+    degrees = math.degrees(exact.tip_angle[0, 0] - float(export.tables.guard))
     assert float(values["tip_angle"][0]) == pytest.approx(degrees, abs=1.0)
     assert values["tip_angle"][1] == "deg"
-
-
-def test_names_of_a_recipe_are_no_markup_on_the_page(export, tmp_path):
-    content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
-    text = dict(texts(export, content))["feet_report.md"]
-    assert "<script" not in text
-    assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 
 
 # replacing
@@ -159,37 +192,29 @@ def test_the_export_of_another_robot_is_replaced_by_force_alone(export, tmp_path
     assert set(contents(tmp_path / "out")) == NAMES
 
 
-def test_a_folder_with_foreign_content_is_refused_and_left_alone(export, tmp_path):
-    for number, foreign in enumerate(["notes.txt", "main.c", ".hidden", "sub"]):
-        out = tmp_path / str(number)
-        package.write(export, out)
-        (out / foreign).mkdir() if foreign == "sub" else (out / foreign).write_text("mine")
-        before = contents(out)
-        with pytest.raises(InputError, match=f"is not of an export .*{foreign!r}"):
-            package.write(export, out)
-        assert contents(out) == before
-        assert (out / foreign).exists()
-
-
 def test_an_export_that_was_edited_is_replaced_with_force_alone(export, tmp_path):
-    package.write(export, tmp_path / "out")
-    before = contents(tmp_path / "out")
-    config = tmp_path / "out" / "smap.h"
-    config.write_text("/* mine */\n")
+    package.write(export, tmp_path)
+    before = contents(tmp_path)
+    (tmp_path / "smap.h").write_text("/* mine */\n")
     with pytest.raises(InputError, match=r"was edited .*'smap\.h'.*--force"):
-        package.write(export, tmp_path / "out")
-    assert config.read_text() == "/* mine */\n"
-    package.write(export, tmp_path / "out", force=True)
-    assert contents(tmp_path / "out") == before
-
-
-def test_force_leaves_what_has_no_name_of_an_export(export, tmp_path):
-    (tmp_path / "notes.txt").write_text("mine")
-    (tmp_path / "feet.c").write_text("mine")
-    package.write(rover_export("old"), tmp_path, force=True)
+        package.write(export, tmp_path)
+    assert (tmp_path / "smap.h").read_text() == "/* mine */\n"
     package.write(export, tmp_path, force=True)
-    assert (tmp_path / "notes.txt").read_text() == "mine"
-    assert set(contents(tmp_path)) == NAMES | {"notes.txt"}
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("foreign", ["notes.txt", "main.c", ".hidden", "sub"])
+def test_what_has_no_name_of_an_export_is_left_alone(export, tmp_path, foreign):
+    package.write(export, tmp_path)
+    mine = tmp_path / foreign
+    mine.mkdir() if foreign == "sub" else mine.write_text("mine")
+    before = contents(tmp_path)
+    with pytest.raises(InputError, match=f"is not of an export .*{foreign!r}"):
+        package.write(export, tmp_path)
+    assert contents(tmp_path) == before
+    package.write(rover_export("feet"), tmp_path, force=True)
+    assert mine.is_dir() or mine.read_text() == "mine"
+    assert set(contents(tmp_path)) | {foreign} == NAMES | {foreign}
 
 
 @pytest.mark.parametrize("link", ["", "examples", "feet.h"])
@@ -211,8 +236,7 @@ def test_a_file_or_a_missing_place_is_refused(export, tmp_path):
     for place, fault in (("file", "is no folder"), ("no/such", "does not exist")):
         with pytest.raises(InputError, match=fault):
             package.write(export, tmp_path / place)
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-    assert (tmp_path / "file").read_text() == "mine"
+    assert contents(tmp_path) == {"file": b"mine"}
 
 
 @pytest.mark.parametrize("after", [0, 3, 11])
@@ -220,22 +244,28 @@ def test_a_full_disk_leaves_nothing_behind_and_an_earlier_export_as_it_was(
     export, tmp_path, monkeypatch, after
 ):
     package.write(replace(export, certificate=None), tmp_path / "old")
-    before = contents(tmp_path / "old")
+    before, write = contents(tmp_path / "old"), Path.write_bytes
+
     for place in ("old", "new"):
-        with monkeypatch.context() as patch:
-            full_disk(patch, after)
-            with pytest.raises(ExportError, match="No space left on device"):
-                package.write(export, tmp_path / place)
+        written = []
+
+        def until_full(path, data, written=written):
+            written.append(path)
+            if len(written) > after:
+                write(path, data[: len(data) // 2])
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            return write(path, data)
+
+        monkeypatch.setattr(Path, "write_bytes", until_full)
+        with pytest.raises(ExportError, match="No space left on device"):
+            package.write(export, tmp_path / place)
     assert contents(tmp_path / "old") == before
     assert [path.name for path in tmp_path.iterdir()] == ["old"]
 
 
-# reading a report back
-
-
 def test_a_damaged_report_is_one_sentence(export, tmp_path):
-    package.write(export, tmp_path / "out")
-    path = tmp_path / "out" / "feet_report.json"
+    package.write(export, tmp_path)
+    path = tmp_path / "feet_report.json"
     text = path.read_text()
     for damaged, fault in (
         (text[:100], "damaged"),
@@ -246,4 +276,4 @@ def test_a_damaged_report_is_one_sentence(export, tmp_path):
     ):
         path.write_text(damaged)
         with pytest.raises(InputError, match=fault):
-            package.load_report(tmp_path / "out")
+            package.load_report(tmp_path)

@@ -29,13 +29,11 @@ def test_an_export_is_proved_and_none_whose_entry_is_shifted(row):
         wrong[first : first + 4] = np.float32(weight).tobytes()
     found = prove(recipe, bytes(wrong), integer)
     assert "deg is needed" in found.reason or "not known" in found.reason
-
-
-def test_a_guard_that_is_too_small_is_not_proved():
-    recipe, blob, _ = made(CONTACTS)
-    less = bytearray(blob)
-    less[20:24] = (np.frombuffer(blob, "<f4", 1, 20)[0] * np.float32(0.3)).tobytes()
-    assert "deg is needed" in prove(recipe, bytes(less), False).reason
+    if not integer:
+        # A guard that is too small.
+        less = bytearray(blob)
+        less[20:24] = (np.frombuffer(blob, "<f4", 1, 20)[0] * np.float32(0.3)).tobytes()
+        assert "deg is needed" in prove(recipe, bytes(less), False).reason
 
 
 def test_what_the_lemmas_say_nothing_about_is_refused():

@@ -1,6 +1,5 @@
 """The node of ROS 2, compiled and run with a stub of rclcpp in the place of ROS."""
 
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +7,10 @@ import pytest
 
 from firmware_export.emit import package
 from firmware_export.protocol import Joint, Policy
+from tests.fixtures.compiled import compile_c
 from tests.fixtures.exports import tripod_export
 from tests.fixtures.places import ROOT
+from tests.fixtures.programs import run
 
 STUB = ROOT / "tests/fixtures/rclcpp_stub.hpp"
 HEADERS = (
@@ -31,13 +32,10 @@ def test_the_node_tells_how_the_robot_stands_and_steers_it_with_a_policy(tmp_pat
     for name in HEADERS:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / f"{name}.hpp").write_text(f'#include "{STUB}"\n')
-    for line in (
-        "cc -std=c99 -O1 -Ifeet -c feet/feet.c -o map.o",
-        "c++ -std=c++17 -Wall -Wextra -Werror -Ifeet -I. feet/examples/ros2_node.cpp map.o -o node",
-    ):
-        subprocess.run(line.split(), cwd=tmp_path, check=True)
-    done = subprocess.run([tmp_path / "node"], capture_output=True, text=True, check=True)
-    said = done.stdout.splitlines()
+    compile_c(["-Ifeet", "-c", "feet/feet.c", "-o", "map.o"], tmp_path)
+    words = "-std=c++17 -Wall -Wextra -Werror -Ifeet -I. feet/examples/ros2_node.cpp map.o -o node"
+    run(tmp_path, "c++", *words.split())
+    said = run(tmp_path, "./node").splitlines()
     assert said[0] == "node feet_stability"
     assert [line for line in said if line.startswith("level")] == [
         "level 3: no samples of the IMU or the joints",

@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_export.emit import package
-from firmware_export.emit.size import COUNTS, FILE, measured
+from firmware_export.emit.size import FILE, measured
 from targets import size as size_measure
 from targets.cases import of_recipe
 from targets.elf import section_bytes
@@ -38,11 +38,3 @@ def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path
     assert (
         f"#define PAPER_TWO_FLASH      {said['total']}u" in (tmp_path / "paper_two.h").read_text()
     )
-
-
-def test_no_export_that_was_counted_takes_more_than_its_family():
-    families = {"contacts": ("points", "rails", "search"), "grid": ("tables", "tables_i", "grid")}
-    for name, row in measured(COUNTS).items():
-        codec = row["export"]["spec"].split()[0]
-        most = max(ROWS[family]["code"] for family in families[codec])
-        assert row["m4f -Os"]["code"] <= most, name

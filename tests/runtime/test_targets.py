@@ -12,7 +12,7 @@ from firmware_export.certify.answers import device
 from firmware_export.emit import facts
 from targets import baseline, cases, control, pages, queries, run
 from targets.boards import BOARDS
-from targets.image import deepest, execute
+from targets.image import execute
 from tests.fixtures.exports import tripod_export
 
 ON = {board.name: board for board in BOARDS}
@@ -102,18 +102,3 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted():
         if (one["option"], one["call"]) == ("-O2", "at")
     ] == [known]
     assert facts.counted(replace(export, channels=("tip_angle",))) is None
-
-
-GRAPH = """\
-node: { title: "smap_read" label: "smap_read\\nfeet.c:9:5\\n64 bytes (static)" }
-node: { title: "feet.c:root" label: "root\\nfeet.c:3:1\\n8 bytes (static)" }
-node: { title: "feet.c:facet" label: "facet\\nfeet.c:5:1\\n40 bytes (static)" }
-edge: { sourcename: "smap_read" targetname: "feet.c:root" label: "feet.c:10:3" }
-edge: { sourcename: "smap_read" targetname: "feet.c:facet" label: "feet.c:11:3" }
-edge: { sourcename: "feet.c:facet" targetname: "feet.c:root" label: "feet.c:6:3" }
-"""
-
-
-def test_the_stack_is_that_of_the_deepest_chain_of_calls():
-    assert deepest(GRAPH) == 64 + 40 + 8
-    assert deepest(GRAPH, "smap_read", without="facet") == 64 + 8

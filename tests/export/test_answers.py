@@ -1,0 +1,192 @@
+"""The exported C against the exact evaluation, in floats and in whole numbers, robot by robot."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import lutgen
+from firmware_export.codecs import codec
+from firmware_export.contacts.room import LIMITS
+from firmware_export.control import Wishes, design
+from firmware_export.truth import Model
+from lutgen.channels import evaluate_each
+from lutgen.errors import InputError
+from lutgen.recipe import parse_recipe, robot_size_of
+from tests.fixtures.linkage import COARSEST, coded
+from tests.fixtures.many_library import (
+    OK,
+    ROCKS,
+    TIPS,
+    Library,
+    compared,
+    near_and_far,
+    postures_of,
+    random_directions,
+)
+from tests.fixtures.places import MAPS
+from tests.fixtures.quadruped import quadruped
+from tests.fixtures.recipes import rover, steered, tripod
+
+MANY = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped", "tractor")
+TEXTS = {"rover": rover(), "steered": steered(), "tripod": tripod()}
+# An axle that swings; and one that is moved by a joint.
+TRACTOR = (MAPS / "tractor.toml").read_text()
+FRONT = '"front_axle"\nparent = "{}"'
+TEXTS |= {"lifted": TRACTOR.replace(FRONT.format("body"), FRONT.format("loader"))}
+ROBOTS = (*MANY, "paper_one", "paper_two", "three_leg_sphere", *TEXTS, *COARSEST)
+
+
+def recipe_of(name):
+    if name in TEXTS:
+        return parse_recipe(TEXTS[name])
+    if name == "quadruped":
+        return quadruped()
+    return coded(name) if name in COARSEST else lutgen.load_recipe(MAPS / f"{name}.toml")
+
+
+def near_a_grid(recipe, rng, count):
+    """Return float32 params of multiples of 7.5 deg (or 0.13 m), of which two thirds are off."""
+    low = np.array([p.minimum for p in recipe.parameters])
+    high = np.array([p.maximum for p in recipe.parameters])
+    step, off = math.radians(7.5), rng.choice([0.0, 1e-6, 1e-4], (count, 1))
+    params = step * np.rint(rng.uniform(low, high, (count, len(low))) / step)
+    params += off * rng.normal(size=params.shape)
+    return np.clip(params, low, high).astype(np.float32)
+
+
+@pytest.mark.parametrize("whole", [False, True], ids=["float", "whole"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name, whole):
+    recipe, rng = recipe_of(name), np.random.default_rng(6)
+    error = COARSEST.get(name, 0.0)
+    robot, size = Library(recipe, error=error), robot_size_of(recipe)
+    params = np.concatenate([postures_of(recipe, rng, 200), near_a_grid(recipe, rng, 200)])
+    g = near_and_far(recipe, params, rng, 15, 50)
+    if whole:
+        g = np.rint(g / np.abs(g).max(axis=-1, keepdims=True) * 16000.0).astype(np.int16)
+    channels = ("sdg", "tip_angle", "height", "status")
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
+    got = robot.read(params, g)
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert not (safe & ~stands).any()
+    assert not ((got["status"] == OK) & (truth["status"] == ROCKS)).any()
+    short = truth["tip_angle"] - got["tip_angle"]
+    # Of the guard less than a third is used up, and rounding of whole numbers has one of its own.
+    guard = robot.export.tables.guard
+    assert short[safe].min() > guard * 2.0 / 3.0
+    # Lost beside the guard: rounding, of whole numbers too, and more next to a gap.
+    clear = stands & (truth["tip_angle"] > 2.0 * guard + 1e-4)
+    assert (clear & ~safe).sum() <= (0.008 if whole else 0.001) * clear.sum()
+    assert safe.sum() > 2000
+    extra = np.degrees(short - guard)
+    assert np.median(extra[safe]) < (0.03 if whole else 0.008)
+    assert np.percentile(extra[safe], 75) < (0.06 if whole else 0.04)
+    # How far it has tipped: whole numbers tell a sine, -1 beyond a right angle.
+    both = (got["status"] == TIPS) & (truth["tip_angle"] < 0) & (truth["tip_angle"] > -np.pi / 2)
+    assert short[both].min() > 0.0
+    assert np.median(extra[both]) < (0.03 if whole else 0.008)
+    # |SD_g| jumps where the facet changes: there rounding decides.
+    for channel, loose in (("sdg", 5e-4 if whole else 4e-6), ("height", 6e-5 if whole else 4e-6)):
+        off = np.abs(truth[channel] - got[channel])[safe]
+        assert np.percentile(off, 99) < (loose + 0.3 * error) * size, channel
+
+
+def nearly_level(name):
+    """Return a robot and 2,000 of its postures, four contacts 1e-7 to 1e-2 out of one plane."""
+    recipe = recipe_of(name)
+    rng = np.random.default_rng(4)
+    low = np.array([p.minimum for p in recipe.parameters])
+    high = np.array([p.maximum for p in recipe.parameters])
+    noise = rng.normal(size=(2000, len(low))) * 10.0 ** rng.uniform(-7, -2, (2000, 1))
+    at = rng.uniform(low, high, (2000, len(low)))
+    if name == "quadruped":  # four legs alike
+        at = np.tile(at[:, :3], 4) + noise
+    else:  # headings of any size, nothing twisted
+        at[:, 1::2] = noise[:, 1::2]
+    return recipe, np.clip(at, low, high).astype(np.float32)
+
+
+@pytest.mark.parametrize("name", ["articulated", "quadruped", "steered"])
+def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name):
+    # What sensors of a level robot say.
+    recipe, params = nearly_level(name)
+    g = random_directions(np.random.default_rng(5), len(params) * 40).reshape(-1, 40, 3)
+    found = compared(Library(recipe), params, g.astype(np.float32))
+    assert found.stands.mean() > 0.15
+    assert (found.stands & ~found.safe).sum() <= 0.002 * found.stands.sum()
+    short = np.degrees(found.true - found.told)[found.safe]
+    # The guard is 0.006 deg.  Where arcs are a thousandth of a degree rounding moves the ends of
+    # gaps between feet by a thousandth of their length.
+    assert np.percentile(short, 99) < 0.02
+    assert short.max() < (0.5 if name == "quadruped" else 0.05)
+
+
+def test_a_steep_first_facet_leads_to_those_on_the_far_side_of_the_robot():
+    # The plane turns by more than a right angle from there before it faces up.
+    steep = [
+        [-28.5, 79.9, -123.3, 4.9, -13.8, -41.9, -29.0, 48.8, -55.6, -12.2, -19.2, -136.3],
+        [-29.8, 38.7, -139.0, 30.0, 47.4, -53.8, -19.4, 21.5, -139.5, -10.1, 45.3, -68.8],
+        [-11.6, 11.1, -129.0, 10.0, 40.1, -43.7, -26.2, -13.8, -128.5, -10.1, -6.5, -59.5],
+    ]
+    params = np.radians(steep).astype(np.float32)
+    g = random_directions(np.random.default_rng(6), 3 * 2000).reshape(3, 2000, 3)
+    found = compared(Library(quadruped()), params, g.astype(np.float32))
+    assert (found.stands.sum(axis=1) > 200).all()
+    assert (found.stands & ~found.safe).sum() <= 0.002 * found.stands.sum()
+
+
+def test_without_room_for_gaps_or_arcs_less_is_safe_and_nothing_else_changes():
+    recipe, rng = recipe_of("marv"), np.random.default_rng(7)
+    params = postures_of(recipe, rng, 400)
+    g = random_directions(rng, 400 * 50).reshape(400, 50, 3).astype(np.float32)
+    whole = Library(recipe).read(params, g)
+    could = whole["status"] != TIPS
+    for scarce in ({"gaps": 1}, {"arcs": 12}):
+        got = Library(recipe, **scarce).read(params, g)
+        safe = got["status"] != TIPS
+        assert not (safe & ~could).any()
+        assert safe.any()
+        # The side of a gap may be so short that its direction is known to a thousandth.
+        assert (got["tip_angle"] <= whole["tip_angle"] + 2e-5)[safe].all()
+        assert (could & ~safe).any()
+        if "arcs" in scarce:  # a posture without its boundary tips in every direction
+            assert not safe[(got["status"] != whole["status"]).any(axis=1)].any()
+        else:  # the rests beside a gap stay
+            assert (could & ~safe).sum() < 0.1 * could.sum()
+
+
+@pytest.mark.parametrize("name", ["marv", "absolem", "quadruped"])
+def test_hardly_a_posture_needs_more_room(name):
+    recipe, rng = recipe_of(name), np.random.default_rng(11)
+    params = postures_of(recipe, rng, 8000)
+    g = random_directions(rng, 8000 * 2).reshape(8000, 2, 3).astype(np.float32)
+    given, enough = (Library(recipe, **room).read(params, g) for room in ({}, LIMITS._asdict()))
+    assert (given["status"] == enough["status"]).mean() > 0.9995
+
+
+def test_answers_do_not_depend_on_the_unit_of_length():
+    # 1024 is the power of two next to millimetres: no number is rounded.
+    def larger(match):
+        numbers = [1024.0 * float(one) for one in re.findall(r"-?[\d.]+", match[2])]
+        return match[1] + (str(numbers) if "[" in match[2] else repr(*numbers))
+
+    text = (MAPS / "absolem.toml").read_text()
+    lengths = r"((?:position|origin|com|radius|rest_width|contact_tolerance) = )(\[.*\]|[\d.]+)"
+    recipes = [parse_recipe(one) for one in (text, re.sub(lengths, larger, text))]
+    assert robot_size_of(recipes[1]) == 1024.0 * robot_size_of(recipes[0])
+    rng = np.random.default_rng(3)
+    params = postures_of(recipes[0], rng, 200)
+    g = random_directions(rng, 10_000).reshape(200, 50, 3).astype(np.float32)
+    metres, other = (Library(recipe).read(params, g) for recipe in recipes)
+    for name in ("status", "tip_angle"):
+        assert metres[name].tobytes() == other[name].tobytes()
+
+
+def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out():
+    uncertain = TRACTOR.replace("[robot]\n", "[robot]\ncom_uncertainty = 0.01\n")
+    uncertain = Model(parse_recipe(uncertain))
+    assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
+    with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):
+        design(Model(parse_recipe(TRACTOR)), Wishes())
