@@ -15,8 +15,6 @@ from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 UP = np.array([0.0, 0.0, 1.0])
-# A product of two rotations of unit vectors.
-ROUNDING = 1e-14
 
 
 def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet():
