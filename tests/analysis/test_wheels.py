@@ -1,7 +1,6 @@
 """Wheel speeds: textbook robots, rolling without slip in space, and motions that are impossible."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -161,15 +160,6 @@ def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes():
         roller = Rotation.from_rotvec(math.radians(gamma) * n).apply(rolling[2])
         assert float(swedish @ roller) == pytest.approx(0.0, abs=1e-10)
         assert min(abs(s) for s in speeds(motion)) > 0.0
-
-
-def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet():
-    level = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
-    assert wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (-0.5, 0.3, -2.0)) == level
-    # Beyond the front wheels: the same plane, but the robot does not stay on it.
-    tips = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (3.0, 0.0, -1.0))
-    assert not tips.standing
-    assert tips == replace(level, standing=False)
 
 
 def test_a_slope_that_rocks_the_robot_lifts_another_wheel():

@@ -81,6 +81,7 @@ REFUSED = """
 2 | check code.toml --allow-python | got 'str'
 2 | check text.h5 | is no HDF5 file
 2 | check recipe:absolme | did you mean 'absolem'
+2 | check recipe:../tests/zzz | choose from: absolem, articulated
 2 | recipes tripod | choose from: absolem
 2 | new track -o a.toml | (got 'track'); did you mean 'tracks'
 2 | new boat -o a.toml | use one of: wheels, tracks, legs, arm

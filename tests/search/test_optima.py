@@ -141,13 +141,6 @@ def test_a_parameter_with_equal_bounds_keeps_its_value(two, method):
     assert all(
         (step.params[1] == kept) and (step.nodes[:, 1] == kept).all() for step in found.trace
     )
-    # Along the line alpha is best where the first-order form is, about (A0 + gamma) / 2.
-    line = np.radians(np.linspace(0.0, 50.0, 5001))
-    sdg = lutgen.evaluate(two, np.stack([line, 0 * line + kept], axis=1), LEVEL, ("sdg",))["sdg"]
-    # 0.5 deg is half a step of the map.
-    best = np.degrees(line[np.nanargmin(sdg)])
-    assert np.degrees(found.params[0]) == pytest.approx(best, abs=0.52)
-    assert found.value < np.nanmin(sdg) + 0.01
 
 
 # Global optima
