@@ -21,11 +21,6 @@ class Counted:
         return self.function(points)
 
 
-def refined(cost, bounds, *more):
-    """Return the steps of one search alone."""
-    return refine(lambda nodes: cost(nodes[0])[None], bounds, 1, *more)[0]
-
-
 def bowl(points):
     """Return a quadratic with its minimum at (1, 1, ...)."""
     return np.asarray(((points - 1.0) ** 2 * np.arange(1, points.shape[1] + 1)).sum(axis=1))
