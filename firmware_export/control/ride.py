@@ -11,7 +11,7 @@ from lutgen import bounds
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
-from lutgen.search import Path, check_columns, read_rows
+from lutgen.search import Path, read_rows
 from lutgen.vector import Floats
 
 UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
@@ -68,12 +68,12 @@ def read_log(
     """
     source, joints = os.fspath(file), [p.name for p in recipe.parameters]
 
-    def check_names(_: str, names: list[str]) -> None:
+    def columns(names: list[str]) -> tuple[list[str], list[str]]:
         gyroscope = RATE if any(name in names for name in RATE) else ()
         wanted = ["time", *UP, *gyroscope, *joints]
-        check_columns(source, names, wanted, wanted)
+        return wanted, wanted
 
-    rows, lines = read_rows(file, check_names, "a log needs at least 2 rows")
+    rows, lines = read_rows(file, columns, "a log needs at least 2 rows")
     time, up = rows["time"], np.stack([rows[name] for name in UP], axis=1)
     late = np.diff(time) <= 0.0
     if late.any():

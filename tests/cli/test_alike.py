@@ -12,7 +12,6 @@ import lutgen
 from lutgen.cli import main
 from lutgen.plot import KINDS
 from tests.fixtures.commands import data, good, run, stdout
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import rigid, tripod
 
 COMMANDS = sorted(main.commands)
@@ -84,18 +83,6 @@ def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_pat
         stdout("limits", tmp_path / name, "--allow-python") for name in ("code.toml", "code.h5")
     ]
     assert allowed[0] == allowed[1]
-
-
-def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for command in (("check",), ("eval", "-p", "alpha=31"), ("sweep", "-o", "a.h5", "--force")):
-        answers = []
-        for source in (MAPS / "paper_one.toml", "recipe:paper_one"):
-            said = stdout(command[0], source, *command[1:])
-            answers.append(Path("a.h5").read_bytes() if command[0] == "sweep" else said.encode())
-        # It takes as long as it takes.
-        one, other = (answer.split(b", about ")[0] for answer in answers)
-        assert one == other != b""
 
 
 # exit codes and words

@@ -57,8 +57,10 @@ def test_soft_limits_are_taken_when_asked_for(folder):
     old = '<joint name="arms" type="revolute">'
     assert old in text
     Path("robot.urdf").write_text(text.replace(old, old + soft), encoding="utf-8")
-    good("import", "robot.urdf", "-o", "robot.toml", "--soft-limits")
-    arms = lutgen.load_recipe("robot.toml").parameters[0]
+    good("import", "robot.urdf", "-o", "robot.toml", "--soft-limits", "--name", "crawler")
+    recipe = lutgen.load_recipe("robot.toml")
+    arms = recipe.parameters[0]
+    assert recipe.name == "crawler"
     assert (arms.minimum, arms.maximum) == (pytest.approx(-0.1), pytest.approx(0.2))
 
 

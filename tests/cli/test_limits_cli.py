@@ -5,8 +5,6 @@ import re
 from decimal import Decimal
 from functools import partial
 
-import pytest
-
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
@@ -17,15 +15,6 @@ from tests.fixtures.recipes import contact, feet, rigid, tripod
 run = partial(commands.run, "limits")
 good = partial(commands.stdout, "limits")
 data = partial(commands.data, "limits")
-
-
-def test_without_the_options_there_is_one_posture_in_the_middle(tripod_path):
-    report = data(tripod_path)
-    assert report["posture"] == {"reach_m": 0.3, "swing_deg": pytest.approx(5.0)}
-    assert not {"all_postures", "best_postures"} & set(report)
-    assert report["convention"] == "plane"
-    body = data(tripod_path, "--convention", "body")
-    assert body["limits"][0]["tilt_deg"] != pytest.approx(report["limits"][0]["tilt_deg"])
 
 
 def test_what_tips_on_level_ground_is_said_in_words(tmp_path):

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import lutgen
-from lutgen.errors import RecipeError
-from lutgen.recipe import gallery_names, gallery_text, recipe_schema, start_recipes
+from lutgen.recipe import recipe_schema, start_recipes
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
@@ -79,15 +78,6 @@ def test_one_recipe_is_printed_as_it_is_written(name):
     text = (MAPS / "absolem.toml").read_text(encoding="utf-8")
     assert stdout("recipes", name) == text
     assert data("recipes", name)["text"] == text
-
-
-def test_the_gallery_needs_no_other_file():
-    # In a wheel nothing stands beside them but each other.
-    for name in gallery_names():
-        recipe = lutgen.parse_recipe(gallery_text(name), inert=True)
-        assert (recipe.python, recipe.urdf) == (None, None)
-    with pytest.raises(RecipeError, match="choose from: absolem, articulated"):
-        gallery_text("recipe:../tests/zzz")
 
 
 # check

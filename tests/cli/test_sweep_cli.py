@@ -85,7 +85,6 @@ def refused(name, *arguments):
 
 
 def test_a_sweep_replaces_maps_and_nothing_else():
-    refused("r.toml", "sweep", "r.toml", "-o", "r.toml")
     Path("thesis.txt").write_bytes(MINE)
     refused("thesis.txt", "sweep", "r.toml", "-o", "thesis.txt")
     for _ in range(2):

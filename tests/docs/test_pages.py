@@ -63,7 +63,7 @@ PAGES |= {
         Page(("trust",)),
         Page(("urdf",), ("named.toml",)),
         Page(("weigh",), ("scales.csv",), made=("weighed.toml",), whole=False),
-        Page(("wheels",), ("buggy.toml",), (0, 1)),
+        Page(("wheels",), codes=(0, 0, 1)),
     )
 }
 
@@ -158,6 +158,9 @@ def test_the_python_of_the_page_prints_what_its_comments_say(name):
     files = PAGES[name].files if name in PAGES else ()
     for file, text in zip(files, blocks(page, "toml") + blocks(page, "csv"), strict=True):
         Path(file).write_text(text, encoding="utf-8")
+    for line in "".join(blocks(page, "sh")).splitlines():
+        if line.startswith("lutgen new"):
+            printed(line)
     (code,) = blocks(page, "python")
     # A colon begins what the number means.
     said = re.findall(r"^print\(.*\)  # (.*?)(?:: .*)?$", code, re.MULTILINE)

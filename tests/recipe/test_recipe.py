@@ -118,11 +118,6 @@ def test_a_payload_moves_the_com_as_a_link_of_its_mass_does():
     assert lutgen.postures(recipe, np.zeros((1, 0)))[1][0] == pytest.approx([0.1, 0.0, 0.05])
 
 
-def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
-    recipe = parse_recipe(rigid(feet([(0, 0, 0), (1, 0, 0), (2, 0, 0)])))
-    assert (recipe.parameters, recipe.grid.shape, recipe.grid.size) == ((), (), 1)
-
-
 @pytest.mark.parametrize(
     ("flash", "error", "kept"),
     [("16384", "0.01", ("16384", "0.01")), ('"16 KiB"', "1", ("16 KiB", "1"))],

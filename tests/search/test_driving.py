@@ -129,22 +129,6 @@ def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None
 # Turning
 
 
-@pytest.mark.parametrize("control", [True, False])
-def test_a_robot_that_may_turn_is_at_least_as_good(robot: Recipe, control: bool) -> None:
-    path = paper_path(40)
-    options: dict[str, Any] = {"control": control, "lag": 0, "params0": NOMINAL}
-    straight = drive(robot, path, **options)
-    free = drive(robot, path, headings=8, **options)
-    assert not (free.tips & ~straight.tips).any()
-    both = ~straight.tips
-    better = straight.channels["sdg"] - free.channels["sdg"]
-    # Headings within 1e-9 are equally good.
-    assert (better[both] >= -1e-9).all()
-    assert free.tips.sum() < straight.tips.sum()
-    assert set(np.round(np.degrees(free.turn)) % 45) == {0}
-    assert free.evaluations <= 8 * (150 if control else 1) * 40
-
-
 def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
     # Four times as long as wide: it stands lengthwise on 30 deg, not across.
     text = feet([(2, 0.5, -1), (2, -0.5, -1), (-2, 0.5, -1), (-2, -0.5, -1)])

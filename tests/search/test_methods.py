@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lutgen.search.methods import multistart, nelder_mead, refine
+from lutgen.search.methods import multistart, nelder_mead
 
 BOX = np.array([[-3.0, 5.0], [0.0, 2.0]])
 
@@ -30,19 +30,6 @@ def waves(points):
     """Return Rastrigin's function about (0.7, 0.7, ...): one minimum in each unit square."""
     x = points - 0.7
     return np.asarray((x**2 - np.cos(2.0 * np.pi * x) + 1.0).sum(axis=1))
-
-
-def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells():
-    (step,) = refine(bowl, np.array([[0.0, 50.0], [100.0, 200.0]]), 1)
-    assert sorted(set(step.nodes[:, 0])) == [0.0, 10.0, 20.0, 30.0, 40.0]
-    assert sorted(set(step.nodes[:, 1])) == [100.0, 120.0, 140.0, 160.0, 180.0]
-    assert len(step.nodes) == step.evaluations == 25
-    (step,) = refine(bowl, np.array([[0.0, 50.0]]), 1, "right")
-    assert step.nodes[:, 0].tolist() == [10.0, 20.0, 30.0, 40.0, 50.0]
-    for ends in ("left", "right"):
-        for step in refine(lambda x: x[:, 0], np.array([[2.0, 7.0], [0.0, 1.0]]), 6, ends):
-            assert (step.nodes >= [2.0, 0.0]).all()
-            assert (step.nodes <= [7.0, 1.0]).all()
 
 
 @pytest.mark.parametrize("start", [(-3.0, 0.0), (1.0, 1.0), (4.9, 0.01)])

@@ -141,13 +141,6 @@ def test_a_parameter_with_equal_bounds_keeps_its_value(two, method):
     assert all(
         (step.params[1] == kept) and (step.nodes[:, 1] == kept).all() for step in found.trace
     )
-    # Along the line alpha is best where the first-order form is, about (A0 + gamma) / 2.
-    line = np.radians(np.linspace(0.0, 50.0, 5001))
-    sdg = lutgen.evaluate(two, np.stack([line, 0 * line + kept], axis=1), LEVEL, ("sdg",))["sdg"]
-    # 0.5 deg is half a step of the map.
-    best = np.degrees(line[np.nanargmin(sdg)])
-    assert np.degrees(found.params[0]) == pytest.approx(best, abs=0.52)
-    assert found.value < np.nanmin(sdg) + 0.01
 
 
 # Global optima
@@ -188,7 +181,10 @@ def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks():
     assert cost(mesh).min() > lowest
     start = np.random.default_rng(1).uniform(BOX[:, 0], BOX[:, 1])
     assert multistart(cost, BOX, start, 1)[-1].value == pytest.approx(lowest, abs=1e-6)
-    assert min(step.value for step in refine(cost, BOX)) > lowest + 1e-3
+    assert (
+        min(step.value for step in refine(lambda nodes: cost(nodes[0])[None], BOX)[0])
+        > lowest + 1e-3
+    )
     # The oracle knows no search for facets: the value, and why there is no better one beside it.
     value, missing = seen_by_the_oracle(goal, [-169.35215779, -0.18827025])
     assert value == pytest.approx(lowest, abs=1e-9)
