@@ -8,19 +8,12 @@ import pytest
 from scipy.optimize import linprog
 
 import lutgen
+from lutgen.analysis import hold_limits, holds, may_hold, roll_limits, rolling_gravity, rolls
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.forces import load_corners
+from lutgen.analysis.friction import held_share
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.resistance import BRAKED, least_resistance
-from lutgen.analysis.rolling import (
-    held_share,
-    hold_limits,
-    holds,
-    may_hold,
-    roll_limits,
-    rolling_gravity,
-    rolls,
-)
 from lutgen.analysis.tilt import tilted
 from lutgen.support import DISC
 from tests.fixtures.places import ROOT

@@ -7,8 +7,8 @@ import pytest
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.friction import slide_limits
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.sliding import slide_limits
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS

@@ -135,9 +135,5 @@ def test_limits_over_all_postures_are_those_of_a_double_loop(text):
     np.testing.assert_allclose(every[found.most_at, across], found.most, atol=1e-12)
     assert (found.most - found.least).max() > 0.02
     alone = [posture_limits(Posture(robot, row)).guaranteed for row in rows]
-    assert (
-        found.guaranteed.tolist()
-        == alone
-        == np.maximum(level_angles(robot, rows, "plane"), 0.0).tolist()
-    )
-    assert (found.weakest, found.strongest) == (int(np.argmin(alone)), int(np.argmax(alone)))
+    expected = np.maximum(level_angles(robot, rows, "plane"), 0.0).tolist()
+    assert found.guaranteed.tolist() == alone == expected

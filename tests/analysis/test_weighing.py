@@ -1,14 +1,14 @@
 """Mass and centre of mass from scales and tilts, on a robot whose true ones are known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from firmware_export.contacts.closed import closed_form
 from lutgen.analysis import tilt_limits, tilted
-from lutgen.analysis.weighed_recipe import corrected
-from lutgen.analysis.weighing import Tipping, Weighing, weigh
+from lutgen.analysis.weighing import Tipping, Weighing, corrected, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
 from tests.fixtures.recipes import contact, sweep_part
@@ -111,6 +111,10 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height():
     alone = weigh(MODEL, tips)
     np.testing.assert_allclose(alone.com_shift, SHIFT, atol=1e-9)
     assert math.isinf(alone.mass_std)
+    # Tilts that do not agree, either.
+    off = weigh(MODEL, [replace(tips[0], slope=tips[0].slope + 1e-3), *tips[1:]])
+    np.testing.assert_allclose(off.com_shift, SHIFT, atol=2e-3)
+    assert math.isinf(off.mass_std)
 
 
 def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.wheels import structure, wheel_speeds
+from lutgen.analysis.wheels import wheel_speeds
 from lutgen.errors import InputError
 from tests.fixtures.recipes import feet, rigid, tripod
 
@@ -89,7 +89,7 @@ STRUCTURES = [
 def test_the_structure_is_what_the_wheels_leave():
     for wheels, expected in STRUCTURES:
         text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
-        found = structure(Posture(robot(SQUARE, text), []))
+        found = wheel_speeds(Posture(robot(SQUARE, text), []), (0.0, 0.0), 0.0).structure
         assert (found.dof, found.mobility, found.steerability) == expected
         assert found.steered is (STEERED in text)
         assert found.touching == tuple(f"P{i}" for i in range(1, len(wheels) + 1))
@@ -244,13 +244,12 @@ def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not():
 def test_what_cannot_be_computed_is_refused_with_the_way_out():
     standing = robot(SQUARE, wheel("P2", (0, 0, 1)))
     with pytest.raises(InputError, match=r"wheel on P2 cannot roll, .*normal .*correct its `axis`"):
-        structure(Posture(standing, []))
+        wheel_speeds(Posture(standing, []), (1.0, 0.0), 0.0)
     nose = [(0.4, 0.5, 0.0), (0.4, -0.5, 0.5), (0.4, -0.5, -0.5)]
     text = rigid(feet(nose) + wheel("P1"), head="upright = 180")
     with pytest.raises(InputError, match=r"x axis is normal to the ground, .*; choose another"):
-        structure(Posture(lutgen.parse_recipe(text), []), (1, 0, 0))
-    for wrong in ((1.0, math.nan), (1e308, 0.0), (1.0,)):
-        with pytest.raises(InputError, match=r"velocity must be two numbers, .* \(got "):
-            wheel_speeds(Posture(car(), []), wrong, 0.0)
-    with pytest.raises(InputError, match=r"yaw_rate one, .* \(got \[1.0, 0.0, inf\]"):
-        wheel_speeds(Posture(car(), []), (1.0, 0.0), math.inf)
+        wheel_speeds(Posture(lutgen.parse_recipe(text), []), (1.0, 0.0), 0.0, (1, 0, 0))
+    moves = (((1.0, math.nan), 0.0), ((1e308, 0.0), 0.0), ((1.0,), 0.0), ((1.0, 0.0), math.inf))
+    for velocity, yaw_rate in moves:
+        with pytest.raises(InputError, match=r"velocity must be two numbers, and yaw_.* \(got \[1"):
+            wheel_speeds(Posture(car(), []), velocity, yaw_rate)

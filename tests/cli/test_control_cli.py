@@ -33,7 +33,7 @@ def firmware(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     with pytest.MonkeyPatch.context() as patch, untried():
         patch.chdir(folder)
-        patch.setattr("firmware_export.control.objective.POSTURES", 100)
+        patch.setattr("firmware_export.control.maker.POSTURES", 100)
         patch.setattr("firmware_export.exporter.POINTS", 500)
         shell, *_ = blocks("docs/guide/control.md", "sh")
         for line in shell.splitlines():

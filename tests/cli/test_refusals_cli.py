@@ -143,13 +143,13 @@ REFUSED = """
 2 | optimum two.toml --objective facet | objective 'facet' is not understood
 2 | optimum two.toml --levels 1000000 | 32 levels of a search
 2 | weigh tripod.toml | --scales, --tilt: neither is given (got no file); give one of them
-2 | weigh tripod.toml --scales none.csv | none.csv: cannot be read
+2 | weigh tripod.toml --scales none.csv | none.csv: there is no such file
 2 | wheels two.toml --velocity 1 | '1' is no velocity; write two numbers such as 0.5,0
 2 | wheels two.toml --yaw-rate fast | 'fast' is no number of plain digits up to 1e12
 2 | wheels two.toml -g 0,0,1 | no support facet under this gravity
 2 | wheels tripod.toml | the robot has no wheels (got no [[robot.wheel]]); add one
 2 | path two.toml --points 1 | 1 is not in the range: at least 2 and at most 200,000
-2 | path two.toml --terrain none.csv | none.csv: cannot be read
+2 | path two.toml --terrain none.csv | none.csv: there is no such file
 2 | path two.toml --terrain none.csv --points 5 | leave it out
 2 | path two.toml --terrain odd.csv | line 1 names no column x (got x;y;z)
 2 | path two.toml --rate alpha=1 | need a speed
@@ -166,7 +166,7 @@ REFUSED = """
 2 | budget two.toml --over beta=0:1 | there is no parameter 'beta' (got --over beta=0:1)
 2 | budget two.toml --turn 0 | --turn': 0 is not in the range: above 0
 2 | budget two.toml --bump -1 | -1 is not in the range: at least 0
-2 | budget two.toml --headings 5 | the number of headings must be a multiple of 4 (got 5)
+2 | budget two.toml --headings 5 | their number must be a multiple of 4 (got 5)
 2 | control folder.toml | no folder of `lutgen export`
 2 | control firmware | without a policy
 2 | control firmware --cycle 1 | a folder has its policy

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import pytest
 
 from firmware_export import control, exporter
-from firmware_export.control import objective
+from firmware_export.control import maker
 from tests.fixtures.commands import run
 from tests.fixtures.documents import blocks, mixed
 from tests.fixtures.fits import untried
@@ -80,7 +80,7 @@ def folder(tmp_path, monkeypatch):
     # What is certified on half a million points, and chosen of 4,200 postures, is seen on fewer.
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=5_000))
     monkeypatch.setattr(control, "policy", partial(control.policy, points=5_000))
-    monkeypatch.setattr(objective, "POSTURES", 40)
+    monkeypatch.setattr(maker, "POSTURES", 40)
     with untried():
         yield tmp_path
 

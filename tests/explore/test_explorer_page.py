@@ -6,13 +6,12 @@ import json
 import re
 
 import pytest
-from click.testing import CliRunner
 
 import lutgen
 from firmware_export import exporter
 from firmware_export.explore import answers_of_recipe, page_text, scene_of
-from lutgen.cli import main
 from lutgen.files import is_ours
+from tests.fixtures.commands import run
 from tests.fixtures.fits import untried
 from tests.fixtures.places import MAPS
 from tools.engine import MODULE, build, clang_version
@@ -28,7 +27,7 @@ force = [1, 0, 0]
 
 
 def explored(*arguments):
-    result = CliRunner().invoke(main, ["explore", *map(str, arguments)])
+    result = run("explore", *arguments)
     return result.exit_code, result.output
 
 
@@ -101,14 +100,6 @@ def test_a_folder_is_asked_and_the_head_tells_its_certificate(tmp_path):
     assert "certified on 2,000 points: 7 falsely safe" in page.read_text()
 
 
-def test_an_export_without_floats_is_refused(tmp_path):
-    recipe = lutgen.load_recipe("recipe:paper_one")
-    with untried():
-        exporter.export(recipe, tmp_path / "firmware", arithmetic="integer", points=1000)
-    code, output = explored(tmp_path / "firmware", "-o", tmp_path / "page.html")
-    assert (code, "without floats" in output) == (2, True), output
-
-
 def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path):
     path, asked = tmp_path / "page.html", ("recipe:paper_one", "-o", tmp_path / "page.html")
     assert explored(*asked)[0] == explored(*asked)[0] == 0
@@ -120,11 +111,15 @@ def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path):
 
 
 def test_what_no_page_can_show_is_refused_in_a_sentence(tmp_path):
+    one = lutgen.load_recipe("recipe:paper_one")
+    with untried():
+        exporter.export(one, tmp_path / "whole", arithmetic="integer", points=1000)
     path = tmp_path / "robot.toml"
     path.write_text((MAPS / "absolem.toml").read_text().replace("[sweep]", f"{WIND}[sweep]", 1))
     for asked, words in (
         ((path, "-o", tmp_path / "page.html"), "under forces"),
         (("recipe:absolem", "-o", tmp_path / "page.pdf"), "is no name of a page"),
+        ((tmp_path / "whole", "-o", tmp_path / "page.html"), "without floats"),
     ):
         code, output = explored(*asked)
         assert (code, words in output) == (2, True), output

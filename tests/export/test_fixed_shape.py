@@ -10,7 +10,7 @@ from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import STRICT, HostLibrary, compile_c
 from tests.fixtures.fits import few_points
-from tests.fixtures.recipes import contact, rigid
+from tests.fixtures.recipes import feet, rigid
 
 CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
 # Its centre of mass is below all contacts: no posture has a facet to make room for.
@@ -29,8 +29,7 @@ KINDS = [
 def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
     tmp_path, count, body, codec, arithmetic
 ):
-    contacts = "".join(contact(f"P{i}", p) for i, p in enumerate(CORNERS[:count]))
-    model = Model(parse_recipe(rigid(body + contacts)))
+    model = Model(parse_recipe(rigid(body + feet(CORNERS[:count]))))
     with few_points():
         export = usable(model, arithmetic, codec)[0].export(model, "rigid", EXPORTABLE, arithmetic)
         package.write(export, tmp_path)

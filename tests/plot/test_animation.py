@@ -83,7 +83,7 @@ def test_an_mp4_gets_the_frames_that_a_film_may_have_where_there_is_ffmpeg(
     none = run(two.source, "--points", 2, "--animate", tmp_path / "other.mp4")
     assert (none.exit_code, "an MP4 needs the program ffmpeg" in none.stderr) == (2, True)
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr("lutgen.plot.film.MOST_FRAMES", 3)
+    monkeypatch.setattr("lutgen.plot.path.MOST_FRAMES", 3)
     film = tmp_path / "film.mp4"
     assert animate(two, {"fixed": by_hand(two, 90, control=False)}, film) == 3
     # Red, green, blue and opacity.

@@ -7,8 +7,7 @@ import pytest
 from matplotlib.text import Text
 
 from lutgen.plot import draw, draw_path, on_sheet
-from lutgen.plot.fonts import said_once
-from lutgen.plot.style import ANGLES, FACTOR, ink_on
+from lutgen.plot.style import ANGLES, FACTOR, ink_on, said_once
 from lutgen.recipe import parse_recipe
 from lutgen.search import drive
 from lutgen.search.terrain import along
