@@ -75,7 +75,6 @@ def test_what_no_series_hold_is_refused_in_one_sentence():
     for name, reason in (
         ("latched", "jump (by 0.05 where reach is 0.37)"),
         ("one_way", "kinks along no axis"),
-        ("limited", "must return finite numbers"),
     ):
         found = str(contacts.INFO.refusal(Model(coded(name)), "float"))
         assert reason in found

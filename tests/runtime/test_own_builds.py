@@ -37,9 +37,7 @@ MADE = SUBJECTS | {
 # Many contacts take up to 20 us a query.
 CASES = {
     "paper_two": part(300_000),
-    "three_leg_sphere": part(300_000),
     "absolem": part(40_000),
-    "marv": part(40_000),
     "articulated": part(20_000),
     "tractor": part(20_000),
     "quadruped": part(20_000),
@@ -49,7 +47,7 @@ CASES = {
     "tables_integer": part(300_000),
 }
 # Whose code is that of another one.
-LIKE_ANOTHER = ("marv", "tractor", "quadruped", "wheels_by_code")
+LIKE_ANOTHER = ("tractor", "quadruped", "wheels_by_code")
 
 
 @pytest.mark.parametrize("name", CASES)
