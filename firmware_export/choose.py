@@ -13,9 +13,9 @@ from typing import Any
 
 from firmware_export.certify.answers import Measured, Truth, device, span_of, statistics, truth
 from firmware_export.certify.certificate import bounded, judged_by
-from firmware_export.certify.jumps import find_jumps
+from firmware_export.certify.jumps import largest_jump
 from firmware_export.emit import code_bytes, flash_bytes
-from firmware_export.protocol import Codec, Export
+from firmware_export.protocol import Aim, Codec, Export
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
@@ -104,7 +104,7 @@ class Trials:
         self.channels, self.arithmetic = channels, arithmetic
         self.tried: dict[tuple[Codec, Any], Candidate | None] = {}
         self.refused: dict[str, str] = {}  # by codec what it said last of a size
-        self.jumps = find_jumps(model, SEED)
+        self.jump = largest_jump(model, SEED)
 
     @cached_property
     def sample(self) -> list[Truth]:
@@ -164,7 +164,7 @@ class Trials:
         )
 
     def _error(self, seen: list[Measured], channel: str) -> float:
-        found = statistics(seen, channel)[judged_by(channel, self.jumps.found)]
+        found = statistics(seen, channel)[judged_by(channel, self.jump > 0.0)]
         span = self.ranges[channel]
         return 100.0 * found / span if span > 0.0 else 0.0
 
@@ -201,7 +201,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     ceiling = goal.flash if goal.flash is not None else LARGEST
     most = ceiling - code_bytes(codec.families[trials.arithmetic])
     percent = None if goal.percent is None else goal.aim
-    sizes = codec.sizes(trials.model, trials.channels, most, percent)
+    sizes = codec.sizes(trials.model, trials.channels, Aim(most, percent))
 
     def larger(spec: Any) -> bool:
         """Tell whether sizes beyond this one are of use."""

@@ -12,7 +12,6 @@ from firmware_export.certify.certificate import (
     POINTS,
     SEED,
     Certificate,
-    Effort,
     certify,
     put_to_test,
 )
@@ -303,8 +302,8 @@ def examine(
     asked = device(export)
     if export.tables.tested:
         return put_to_test(asked, export.channels, bound, points, seed)
-    cells, effort = export.tables.cells(export.model), Effort.of(points)
-    return certify(asked, export.channels, cells, bound, effort, seed, trials.jumps)
+    cells = export.tables.cells(export.model)
+    return certify(asked, export.channels, cells, bound, points, seed, trials.jump)
 
 
 def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:

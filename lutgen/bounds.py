@@ -7,7 +7,7 @@ docs/reference/bounds.md is this table.
 from dataclasses import dataclass
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, one_line, reject
+from lutgen.errors import InputError, LutgenError, RecipeError, one_line, reject
 
 # Numbers of more digits than this are cut short in a message.
 _SHOWN = 24
@@ -57,22 +57,24 @@ def check(value: int, bound: Bound, where: str, way_out: str) -> None:
         reject(where, what, shown(value), way_out, InputError)
 
 
-def read(source: str, bound: Bound) -> bytes:
-    """Return the bytes of a file; RecipeError is raised if it cannot be read or is too long."""
+def read(source: str, bound: Bound, kind: type[LutgenError] = RecipeError) -> bytes:
+    """Return the bytes of a file, or raise an error if it cannot be read or is too long."""
     try:
         with Path(source).open("rb") as file:
-            return short_enough(file.read(bound.most + 1), source, bound)
+            return short_enough(file.read(bound.most + 1), source, bound, kind)
     except OSError as error:
         missing = isinstance(error, FileNotFoundError)
         what = "there is no such file" if missing else f"cannot be read (got {error.strerror})"
-        raise RecipeError(f"{one_line(source)}: {what}; check the path.") from error
+        raise kind(f"{one_line(source)}: {what}; check the path.") from error
 
 
-def short_enough(content: bytes, source: str, bound: Bound) -> bytes:
-    """Return bytes, or refuse too many of them with RecipeError."""
+def short_enough(
+    content: bytes, source: str, bound: Bound, kind: type[LutgenError] = RecipeError
+) -> bytes:
+    """Return bytes, or refuse too many of them."""
     if len(content) > bound.most:
         what, way_out = "is too long", "leave out what is not needed, or name another file"
-        reject(source, what, f"more than {bound.most:,} {bound.what}", way_out)
+        reject(source, what, f"more than {bound.most:,} {bound.what}", way_out, kind)
     return content
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.control.objective import lattice, measured
+from firmware_export.control.maker import lattice, measured
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
 from proofs.control import G0, GALLERY, Steered, robot

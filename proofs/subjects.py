@@ -9,19 +9,10 @@ from pathlib import Path
 from firmware_export.emit import package
 from firmware_export.host import family_of
 from firmware_export.protocol import Export
-from firmware_export.truth import Model
-from lutgen.recipe import parse_recipe
-from targets.cases import of_recipe
+from targets.cases import of_recipe, trained
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
-from tests.fixtures.noise import noise
-from tests.fixtures.recipes import tripod
 
 __all__ = ["SUBJECTS", "Subject", "made"]
-
-
-def _trained(name: str, chart: str) -> Export:
-    """Return a trained table whose bytes mean nothing, which is the harder case for a proof."""
-    return noise(name, Model(parse_recipe(tripod(chart=chart))), (3, 3, 5, 5), ("sdg", "height"))
 
 
 # Name of a subject: how its export is made.
@@ -31,8 +22,8 @@ SUBJECTS: dict[str, Callable[[], Export]] = {
     "legs_by_code": partial(coded_export, "legs_by_code", "legs"),
     "tables_float": partial(tripod_export, "tables_float", "grid"),
     "tables_integer": partial(tripod_export, "tables_integer", "grid", arithmetic="integer"),
-    "trained": partial(_trained, "trained", "cone"),
-    "trained_sphere": partial(_trained, "trained_sphere", "sphere"),
+    "trained": partial(trained, "trained", "cone"),
+    "trained_sphere": partial(trained, "trained_sphere", "sphere"),
     "four_wheels": partial(rover_export, "four_wheels"),
     "wheels_by_code": partial(coded_export, "wheels_by_code", "wheels"),
     "marv": partial(of_recipe, "marv", "contacts"),

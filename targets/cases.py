@@ -4,9 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from firmware_export.codecs import usable
 from firmware_export.emit import package
+from firmware_export.grid import lookup
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
@@ -14,6 +16,7 @@ from lutgen.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.recipe.gallery import KINDS, start_recipe
 from tests.fixtures.frozen import exports
 from tests.fixtures.noise import noise
+from tests.fixtures.recipes import tripod
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
@@ -23,7 +26,10 @@ ROBOTS = (
     *("paper_two", "paper_one", "three_leg_sphere", "legs"),
 )
 # Codec, arithmetic and size of a table of positions.
-TABLES = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
+TABLES = {
+    "float": lookup.Spec(16, ((1, 8), (9, 1), (1, 1))),
+    "integer": lookup.Spec(16, ((1, 10), (11, 1), (1, 1))),
+}
 # Nodes of a trained table, and what it holds beside the angle.
 LARGE = ((15, 15, 12, 11), ("sdg",))
 # Its pose of 5.5 kB, and a second one on the stack in smap_read, do not fit 8 kB.
@@ -41,20 +47,23 @@ class Case:
 
 
 def of_robot(
-    recipe: Recipe, name: str, codec: str, arithmetic: str = "float", label: str = ""
+    recipe: Recipe, name: str, codec: str, arithmetic: str = "float", spec: Any = None
 ) -> Export:
-    """Return the export of a robot in a codec, of its smallest size unless a label names one."""
+    """Return the export of a robot in a codec, of its smallest size unless one is given."""
     model = Model(recipe)
     channels = tuple(one for one in EXPORTABLE if one in recipe.channels or one == "tip_angle")
-    info = usable(model, arithmetic, codec)[0]
-    size = info.read_label(label) if label else info.sizes(model, channels)[0]
-    tables = info.encode(model, channels, size)
-    return Export(name, recipe, model, codec, arithmetic, channels, tables)
+    return usable(model, arithmetic, codec)[0].export(model, name, channels, arithmetic, spec)
 
 
-def of_recipe(name: str, codec: str, arithmetic: str = "float", label: str = "") -> Export:
+def of_recipe(name: str, codec: str, arithmetic: str = "float", spec: Any = None) -> Export:
     """Return the export of a recipe in a codec; see `of_robot` and `recipe_of`."""
-    return of_robot(recipe_of(name), name, codec, arithmetic, label)
+    return of_robot(recipe_of(name), name, codec, arithmetic, spec)
+
+
+def trained(name: str, chart: str) -> Export:
+    """Return a trained table of all channels whose bytes mean nothing, which is hard to prove."""
+    model = Model(parse_recipe(tripod(chart=chart)))
+    return noise(name, model, (3, 3, 5, 5), ("sdg", "height"))
 
 
 def recipe_of(name: str) -> Recipe:
@@ -70,8 +79,8 @@ def cases() -> list[Case]:
         Case(name, partial(of_recipe, name, "contacts"), without=WITHOUT.get(name, ()))
         for name in ROBOTS
     ]
-    for arithmetic, label in TABLES.items():
-        make = partial(of_recipe, "paper_two", "grid", arithmetic, label)
+    for arithmetic, spec in TABLES.items():
+        make = partial(of_recipe, "paper_two", "grid", arithmetic, spec)
         rows.append(Case(f"paper_two_grid_{arithmetic}", make))
     # Bytes that mean nothing: what matters of a trained table is how it is read.
     model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))

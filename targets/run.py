@@ -66,7 +66,7 @@ def prepared(case: Case) -> Row:
     body = export.body
     job = Job(folder, export.name, export.model.k, not export.integer, True, b"", 0, 0)
     many = body.codec in MANY
-    return Row(case, export, job, Host(describe(export, body)), FEWER if many else 1)
+    return Row(case, export, job, Host(describe(export)), FEWER if many else 1)
 
 
 def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:

@@ -21,17 +21,13 @@ from firmware_export.emit.runtime import control_file
 from firmware_export.emit.size import BY_CODE, FILE, SWINGING, TARGET
 from firmware_export.host import RUNTIME
 from firmware_export.protocol import Export
-from firmware_export.truth import Model
 from lutgen.errors import ExportError, LutgenError
-from lutgen.recipe import parse_recipe
 from targets.boards import BOARDS
-from targets.cases import ROOT, TABLES, of_recipe
+from targets.cases import ROOT, TABLES, of_recipe, trained
 from targets.elf import section_bytes, undefined
 from targets.image import build, compiled, flags_of, version
 from targets.pages import PAGE, between, markdown
 from tests.fixtures.exports import coded_export, tripod_export
-from tests.fixtures.noise import noise
-from tests.fixtures.recipes import tripod
 
 # What exports read instead of compiling.
 SIZES = ROOT / "firmware_export" / "runtime" / FILE
@@ -45,12 +41,6 @@ CAPACITIES = ("CONTACTS", "RESTS", "CORNERS", "GAPS", "ARCS", "FACETS", "SIDES")
 MANY = {"rails": (8, 7, 20, 5, 38, 1, 8), "search": (4, 3, 7, 2, 11, 7, 4)}
 FAMILIES = ("points", "tables", "tables_i", "grid", "rails", "search")
 Measure = dict[str, int]
-
-
-def trained(chart: str) -> Export:
-    """Return a trained table of all channels, whose bytes mean nothing."""
-    model = Model(parse_recipe(tripod(chart=chart)))
-    return noise("trained", model, (3, 3, 5, 5), ("sdg", "height"))
 
 
 # Row of sizes.json: exports of the family that are measured, those with all that there is.
@@ -68,7 +58,7 @@ EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
         partial(of_recipe, "paper_two", "grid", "integer", TABLES["integer"]),
         partial(tripod_export, "tables_i", "grid", arithmetic="integer"),
     ),
-    "grid": tuple(partial(trained, chart) for chart in ("cone", "sphere")),
+    "grid": tuple(partial(trained, "trained", chart) for chart in ("cone", "sphere")),
     "rails": tuple(partial(of_recipe, name, "contacts") for name in ("marv", "absolem")),
     "search": (partial(of_recipe, "articulated", "contacts"),),
     "search" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("wheels", "scissors")),

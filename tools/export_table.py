@@ -20,7 +20,7 @@ from firmware_export.exporter import guarded
 from firmware_export.grid import lookup
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
-from targets.cases import recipe_of
+from targets.cases import TABLES, recipe_of
 from targets.pages import EXPORTS, between
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -39,10 +39,10 @@ class Case:
 
 CASES = (
     Case("paper_two", "contacts", contacts.Spec()),
-    Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1")),
-    Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1"), "integer"),
-    Case("paper_two", "grid", lookup.Spec.of_label("grid i16 1x8 9x1 1x1")),
-    Case("paper_two", "grid", lookup.Spec.of_label("grid i16 1x10 11x1 1x1"), "integer"),
+    Case("paper_two", "grid", lookup.Spec(8, ((1, 3), (4, 1), (1, 1)))),
+    Case("paper_two", "grid", lookup.Spec(8, ((1, 3), (4, 1), (1, 1))), "integer"),
+    Case("paper_two", "grid", TABLES["float"]),
+    Case("paper_two", "grid", TABLES["integer"], "integer"),
     Case("marv", "contacts", contacts.Spec()),
     Case("absolem", "contacts", contacts.Spec()),
     Case("articulated", "contacts", contacts.Spec()),

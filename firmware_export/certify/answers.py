@@ -17,15 +17,9 @@ from firmware_export.truth import Exact, Model, Sample
 from lutgen.errors import ExportError
 from lutgen.vector import Bools, Floats
 
-# In the place of a status where nothing was asked.
-NOT_ASKED = -128
 # Part of the largest value by which a channel that never changes does so in double precision.
 ROUNDED = 1e-9
-# Points that are asked at a time: bounds the memory of a certificate.
-BLOCK = 1 << 17
 
-# Exact tip angles (m, d) -> at which of the points an answer is needed.
-Needs = Callable[[Floats], Bools]
 # Parameters, gravity, answered and true tip angle of a false safe.
 Witness = tuple[Floats, Floats, float, float]
 # (n, k) and (n, 3) queries -> status (n,), reading (n, 3): sdg, tip_angle, height.
@@ -127,37 +121,18 @@ class Reader:
     def __init__(self, model: Model, read: Read, steps: dict[str, float] | None = None) -> None:
         self.model, self.read, self.steps = model, read, steps
 
-    def measure(self, sample: Sample, needs: Needs | None = None) -> Measured:
-        """Compute the truth of a sample and ask about its points.
+    def measure(self, sample: Sample) -> Measured:
+        """Compute the truth of a sample and ask about its points."""
+        return self.compare(truth(self.model, sample, self.steps is not None))
 
-        With `needs` only about those that it marks, and all where the robot tips: an answer that
-        is falsely safe is never passed over.
-        """
-        known = truth(self.model, sample, self.steps is not None)
-        tip = known.exact.tip_angle
-        return self.compare(known, None if needs is None else needs(tip) | (tip < 0.0))
-
-    def compare(self, known: Truth, ask: Bools | None = None) -> Measured:
-        """Ask queries whose truth is known: all of them, or those that `ask` (m, d) marks.
-
-        What is not asked is left as said to tip, without a number (NaN).
-        """
+    def compare(self, known: Truth) -> Measured:
+        """Ask queries whose truth is known."""
         m, d = known.gravity.shape[:2]
-        status, values = np.full(m * d, NOT_ASKED, np.int8), np.full((m * d, 3), np.nan)
-        asked = np.arange(m * d) if ask is None else np.flatnonzero(ask)
-        gravity = known.gravity.reshape(-1, 3)
-        for at in range(0, len(asked), BLOCK):
-            part = asked[at : at + BLOCK]
-            found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
-            status[part] = found
-            values[part] = reading if self.steps is None else in_units(reading, self.steps)
-        stands = np.isin(status, STANDS)
-        grid = (m, d)
-        answers = Answers(
-            stands.reshape(grid),
-            *(np.ascontiguousarray(values[:, column]).reshape(grid) for column in range(3)),
-        )
-        return Measured(known.sample, answers, known.exact)
+        rows = np.repeat(known.params, d, axis=0)
+        status, reading = self.read(rows, known.gravity.reshape(-1, 3))
+        values = reading.astype(np.float64) if self.steps is None else in_units(reading, self.steps)
+        stands = np.isin(status, STANDS).reshape(m, d)
+        return Measured(known.sample, Answers(stands, *values.T.reshape(3, m, d)), known.exact)
 
 
 def device(export: Export) -> Reader:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.certify.answers import Measured, Needs, Reader, Witness
+from firmware_export.certify.answers import Measured, Reader, Witness
 from firmware_export.truth import Sample, cross_boundary, on_chart, unit
-from lutgen.vector import Bools, Floats
+from lutgen.vector import Floats
 
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
 Value = Callable[[Measured], Floats]
@@ -47,24 +47,15 @@ def sdg_error(measured: Measured) -> Floats:
     return np.where(counts, error, -np.inf)
 
 
-def _near(tip_angle: Floats) -> Bools:
-    return np.asarray(np.abs(tip_angle) < NEAR)
-
-
-def _tips(tip_angle: Floats) -> Bools:
-    return np.asarray(tip_angle < 0.0)
-
-
 def _excess(measured: Measured) -> Floats:
     """Return by how much the answered tip angle exceeds the true one, near the boundary."""
     true, said = measured.exact.tip_angle, measured.answers.tip_angle
-    return np.where(_near(true), said - true, -np.inf)
+    return np.where(np.abs(true) < NEAR, said - true, -np.inf)
 
 
 def _clearance(measured: Measured) -> Floats:
     """Return the answered tip angle where the robot tips, -inf where it stands."""
-    tips = _tips(measured.exact.tip_angle)
-    return np.where(tips, measured.answers.tip_angle, -np.inf)
+    return np.where(measured.exact.tip_angle < 0.0, measured.answers.tip_angle, -np.inf)
 
 
 def climb(
@@ -74,14 +65,11 @@ def climb(
     rounds: int,
     seed: int,
     first_step: float = FIRST_STEP,
-    needs: Needs | None = None,
 ) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
     `begin` are parameters (s, k) and gravity (s, 3); the best point of each start is returned.
-    The first step is in shares of the box and in rad.  `needs` marks the exact tip angles at
-    which alone the value is finite: others are not asked, unless the robot tips there, where no
-    answer may be safe.
+    The first step is in shares of the box and in rad.
     """
     model, rng = reader.model, np.random.default_rng([seed, 2])
     best_q, best_g = (one.copy() for one in begin)
@@ -104,7 +92,7 @@ def climb(
         turn[:, :, 0] = 0.0
         g = unit(best_g[able, None, None] + turn)
         sample = Sample(q.reshape(count * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
-        measured = reader.measure(sample, needs)
+        measured = reader.measure(sample)
         found = np.where(on_chart(model, sample.gravity), value(measured), -np.inf)
         found = found.reshape(count, -1)
         points += sample.points
@@ -171,9 +159,9 @@ def worst_false_safe(
     the boundary to be held up by, then the answer itself on the side that tips.
     """
     begin = starts(seen, (_excess, _clearance), count)
-    excess = climb(reader, begin, _excess, rounds, seed, needs=_near)
+    excess = climb(reader, begin, _excess, rounds, seed)
     begin = excess.params, _just_outside(reader, excess.params, excess.gravity, seed)
-    found = climb(reader, begin, _clearance, rounds, seed + 1, FINE_STEP, _tips)
+    found = climb(reader, begin, _clearance, rounds, seed + 1, FINE_STEP)
     return found._replace(
         points=excess.points + found.points,
         false_safe=excess.false_safe + found.false_safe,

@@ -9,19 +9,21 @@ import math
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
 from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
-from firmware_export.certify.jumps import Jumps, find_jumps
+from firmware_export.certify.jumps import largest_jump
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Cells, biased, uniform
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
 
-POINTS = 500_000
+# Points of a certificate, half of them uniform and half where tables err most; starts of each half
+# and kind of search, and rounds of each, in proportion to the points, and the least of both.
+POINTS, STARTS, ROUNDS, LEAST = 500_000, 24, 40, 15
 # Fits and choices use seeds below 1000.
 SEED = 1001
 # Points of a test for one of another codec's certificate: 10 million.  Points of each half of a
@@ -31,23 +33,6 @@ TIMES, PART = 20, 500_000
 MOST = math.radians(30.0)
 # Events that a rate has caused with a probability of 95 % if none was seen.
 EXCLUDED = 3.0
-
-
-class Effort(NamedTuple):
-    """Points compared, half of them uniform and half where tables err most; and the searches.
-
-    `starts` of each half and kind of search, and `rounds` of each.
-    """
-
-    points: int = POINTS
-    starts: int = 24
-    rounds: int = 40
-
-    @classmethod
-    def of(cls, points: int) -> "Effort":
-        """Return an effort in proportion to the sample, full for POINTS and above."""
-        share = min(1.0, points / POINTS)
-        return cls(points, *(max(15, round(share * most)) for most in cls()[1:]))
 
 
 @dataclass(frozen=True)
@@ -70,9 +55,9 @@ class Certificate:
     false_tip: float
     jumps: bool
     beyond: float | None
-    nearest: float
-    searched: int
-    seed: int
+    nearest: float = 0.0
+    searched: int = 0
+    seed: int = SEED
     text: tuple[str, ...] = ()
     witness: Witness | None = field(default=None, compare=False)
     wrong: tuple[Floats, Floats] | None = field(default=None, compare=False)
@@ -157,23 +142,24 @@ def certify(
     channels: Sequence[str],
     cells: Cells | None = None,
     bound: ErrorBound | None = None,
-    effort: Effort | None = None,
+    points: int = POINTS,
     seed: int = SEED,
-    jumps: Jumps | None = None,
+    jump: float | None = None,
 ) -> Certificate:
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
     `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
     asked for, to count the points beyond it; `seed` is one that no fit and no choice has used;
-    `jumps` is what `find_jumps` said, if it was asked before.
+    `jump` is the `largest_jump`, if it is known.
     """
-    model, (points, count, rounds) = reader.model, effort or Effort()
-    half, worst = -(-points // 2), None
+    model, half, worst = reader.model, -(-points // 2), None
+    share = min(1.0, points / POINTS)
+    count, rounds = (max(LEAST, round(share * most)) for most in (STARTS, ROUNDS))
     # Two at a time that do not depend on each other: what Python does in one waits for no core.
     with ThreadPoolExecutor(1) as pool:
         near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
-        found = jumps if jumps is not None else find_jumps(model, seed)
+        height = largest_jump(model, seed) if jump is None else jump
         seen = [even, reader.measure(near.result())]
         attacked = pool.submit(worst_false_safe, reader, seen, count, rounds, seed)
         if "sdg" in channels:
@@ -185,14 +171,14 @@ def certify(
         every, span = statistics(seen, name), span_of(seen, name)
         if name == "sdg" and worst is not None:
             every["max"] = max(every["max"], float(worst.value.max(initial=0.0)))
-        jumping = found.found and name != "tip_angle"
-        table[name] = _entry(every, statistics([even], name), span, jumping)
+        jumps = height > 0.0 and name != "tip_angle"
+        table[name] = _entry(every, statistics([even], name), span, jumps)
     searches = [search for search in (worst, attack) if search is not None]
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
     held, text = "sdg" in channels, tuple[str, ...]()
     beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if held else None
-    if found.found and held:
-        text = tuple(_about_jumps(model.recipe.length_unit, found, beyond, bound))
+    if height > 0.0 and held:
+        text = tuple(_about_jumps(model.recipe.length_unit, height, beyond, bound))
     return Certificate(
         points=sum(one.sample.points for one in seen),
         standing=sum(int(one.standing.sum()) for one in seen),
@@ -200,7 +186,7 @@ def certify(
         false_safe=sum(int(one.false_safe.sum()) for one in seen)
         + sum(search.false_safe for search in searches),
         false_tip=even.false_tip,
-        jumps=found.found,
+        jumps=height > 0.0,
         beyond=beyond,
         nearest=-float(attack.value.max(initial=-np.inf)),
         searched=sum(search.points for search in searches),
@@ -211,12 +197,12 @@ def certify(
 
 
 def _about_jumps(
-    unit: str, jumps: Jumps, beyond: float | None, bound: ErrorBound | None
+    unit: str, height: float, beyond: float | None, bound: ErrorBound | None
 ) -> Iterable[str]:
     """Return what people should know beside the numbers."""
     length = "" if unit == "1" else f" {unit}"
     yield (
-        f"|SD_g| jumps where the support facet changes (by up to {jumps.height:.3g}{length} seen), "
+        f"|SD_g| jumps where the support facet changes (by up to {height:.3g}{length} seen), "
         "so its largest error has no bound: judge by p99."
     )
     if beyond is not None:
@@ -270,8 +256,6 @@ def put_to_test(
         false_tip=refused / max(standing, 1),
         jumps=held,
         beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if held else None,
-        nearest=0.0,
-        searched=0,
         seed=seed,
         text=_about_test(every["tip_angle off"], asked),
         witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,

@@ -4,8 +4,6 @@ With more than three contacts the support facet changes, and its centroid with i
 interpolates can bound its largest error there.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from firmware_export.truth import Model, uniform_directions, uniform_params, unit
@@ -20,13 +18,6 @@ KEPT = 0.5
 LEAST = 1e-3
 # Postures between whose directions, and pairs of postures between which it is looked for.
 POSTURES, DIRECTIONS, PAIRS = 48, 40, 96
-
-
-class Jumps(NamedTuple):
-    """`found`; `height` of the largest jump seen (length unit)."""
-
-    found: bool
-    height: float
 
 
 def _halved(model: Model, params: Floats, gravity: Floats) -> tuple[Floats, Floats]:
@@ -52,10 +43,13 @@ def _halved(model: Model, params: Floats, gravity: Floats) -> tuple[Floats, Floa
     return np.nan_to_num(early).ravel(), np.nan_to_num(np.abs(high - low)).ravel()
 
 
-def find_jumps(model: Model, seed: int) -> Jumps:
-    """Look for jumps of |SD_g| between directions of one posture, and between postures."""
+def largest_jump(model: Model, seed: int) -> float:
+    """Return the height (length unit) of the largest jump of |SD_g|, 0 where it has none.
+
+    Jumps are sought between directions of one posture, and between postures.
+    """
     if model.is_tripod:
-        return Jumps(False, 0.0)
+        return 0.0
     rng = np.random.default_rng([seed, 4])
     here = uniform_params(model, rng, POSTURES)
     ends = uniform_directions(model, rng, (2, POSTURES, DIRECTIONS))
@@ -68,4 +62,4 @@ def find_jumps(model: Model, seed: int) -> Jumps:
     early, late = (np.concatenate(one) for one in zip(*found, strict=True))
     span = float(np.ptp(values)) if len(values) else 0.0
     jumps = (late > KEPT * early) & (late > LEAST * span)
-    return Jumps(bool(jumps.any()), float(np.max(late, where=jumps, initial=0.0)))
+    return float(np.max(late, where=jumps, initial=0.0))

@@ -1,7 +1,6 @@
 """The codec `contacts`, which stores where the contacts are: in closed form, or as polynomials.
 
-In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`, `three`, `many`,
-`room`, `layout`, `codec`.
+In reading order: `closed`, `terms`, `pieces`, `series`, `three`, `many`, `codec`.
 """
 
 from firmware_export.contacts.codec import INFO, drawn_tables

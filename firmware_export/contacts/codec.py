@@ -1,26 +1,74 @@
-"""Codec `contacts`: where contacts are, everything else computed when a posture is made."""
+"""Codec `contacts`: where contacts are, everything else computed when a posture is made.
+
+The room of a pose of many contacts is the most rests, corners, gaps and arcs that it can hold.
+Postures are counted, and a margin is added.  A posture that needs more loses gaps or rests, and
+without room for an arc of the boundary the pose fails: all of that is safe.
+"""
 
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
-from firmware_export.contacts.off import most_off
-from firmware_export.contacts.room import LIMITS, Room, pose_words, room_of
-from firmware_export.contacts.series import Series, series_of
+from firmware_export.contacts.series import Series, most_off, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.protocol import CBody, Codec, Export, describe
+from firmware_export.protocol import ANY, Aim, CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
+
+MARGIN = 1.1
+# The ends of gaps are numbered with 8 bits, and corners come before them.
+MOST_PLACES = 100
+
+
+class Room(NamedTuple):
+    """The most of each, in the order of the enum in runtime/smap_region.h."""
+
+    rests: int
+    corners: int
+    gaps: int
+    arcs: int
+    facets: int
+
+
+# What the host has room for, and the least that an array of C can have.
+LIMITS, LEAST = Room(60, 154, 50, 254, 250), Room(1, 3, 1, 3, 1)
+
+
+def room_of(model: Model, host: Host) -> Room:
+    """Return the room that a pose needs; `host` reads with LIMITS."""
+    rng = np.random.default_rng(5)
+    any_posture = rng.random((3500, model.k))
+    even = rng.integers(0, 5, (1000, model.k)) / 4.0
+    equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
+    params = model.at(np.concatenate([any_posture, even, equal])).astype(np.float32)
+    most = np.maximum(host.room(params), LEAST)
+    return Room(*(min(math.ceil(MARGIN * n), most) for n, most in zip(most, LIMITS, strict=True)))
+
+
+def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
+    """Return the words of 32 bits of poses beside an address; NAME.c asserts that they suffice.
+
+    With both forms, with integers alone, and of the region that on-board control keeps beside
+    (runtime/smap_pose.h, smap_region.h, smap_reading_i.h).  Addresses have up to 8 bytes.
+    """
+    vectors = 2 * room.corners + 2 * room.gaps + min(4 * room.gaps, MOST_PLACES)
+    layout = 6 + 4 * room.rests + 4 * room.gaps + 5 * room.arcs
+    region = 4 * (1 + 7 * room.rests + 3 * vectors)
+    floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests
+    work = 24 + 4 * floats + (contacts if discs else 1) + 6 * room.corners + room.rests + 8
+    whole = 6 + 14 * room.rests + 6 * vectors
+    both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
+    return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)
+
 
 # Their numbers in runtime/smap_map.h.
 POINTS, RAILS, SEARCH = 1, 5, 6
@@ -50,17 +98,6 @@ class Spec:
         """Short text for tables."""
         return f"contacts {self.error:g}" if self.error else "contacts"
 
-    @classmethod
-    def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label.
-
-        Examples
-        --------
-        >>> Spec.of_label("contacts 1e-05"), Spec.of_label("contacts")
-        (Spec(error=1e-05), Spec(error=0.0))
-        """
-        return cls(*map(float, label.split()[1:]))
-
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
@@ -79,24 +116,14 @@ class Tables(AnyTables):
     guard: float
     guard_text: str
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables."""
-        return self.body().bytes
-
     def body(self, integer: bool = False) -> CBody:
         """Return the tables for the emitter."""
         terms, three, many, step = self.terms, self.three, self.many, self.reach / STEPS
-        macros = [
-            ("SMAP_MAX_ENTRIES", terms.entries),
-            ("SMAP_MAX_COORDINATES", terms.width),
-            *[("SMAP_SERIES", 1)] * isinstance(terms, Series),
-        ]
+        macros = [("SMAP_MAX_ENTRIES", terms.entries), ("SMAP_MAX_COORDINATES", terms.width)]
+        macros += [("SMAP_SERIES", 1)] * isinstance(terms, Series)
         if three is not None:
-            thresholds = (three.lowest, three.steepest, three.rest_width)
-            return CBody(
-                POINTS, terms.arrays(three.code, thresholds, ()), 3, tuple(macros), POSE, step
-            )
+            arrays = terms.arrays(three.code, three[1:4], ())
+            return CBody(POINTS, arrays, 3, tuple(macros), POSE, step)
         assert many is not None
         contacts, tracks = len(many.order), len(many.first) - 1
         both, whole, swept = pose_words(self.room, contacts, terms.axes)
@@ -107,15 +134,9 @@ class Tables(AnyTables):
             *((f"SMAP_MAX_{name.upper()}", most) for name, most in self.room._asdict().items()),
             ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
         ]
-        return CBody(
-            codec=RAILS if tracks else SEARCH,
-            arrays=terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room)),
-            contacts=contacts,
-            macros=tuple(macros),
-            pose=(both, whole),
-            step=step,
-            swept=swept,
-        )
+        codec = RAILS if tracks else SEARCH
+        arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room))
+        return CBody(codec, arrays, contacts, tuple(macros), (both, whole), step, swept=swept)
 
     def guarded(self, guard: float) -> Self | None:
         """Return tables of many contacts with a larger guard (rad); None of three points.
@@ -133,8 +154,7 @@ class Tables(AnyTables):
         cuts = [one[1:-1] for one in self.terms.knots] or [np.zeros(0)] * model.k
         axes = zip(cuts, model.lower, model.upper - model.lower, strict=True)
         ends = [np.concatenate([[0.0], (one - low) / width, [1.0]]) for one, low, width in axes]
-        rim = np.array([-model.chart_limit, model.chart_limit])
-        return Cells(tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends), rim, rim)
+        return tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends)
 
 
 @lru_cache(maxsize=4)
@@ -161,13 +181,13 @@ def _tables(model: Model, spec: Spec) -> Tables:
     tables = Tables(spec, terms, three, many, LIMITS, 1.02 * reach, guard, text)
     if many is None:
         return tables
+    return replace(tables, room=room_of(model, _host(model, tables)))
 
-    def host(room: Room) -> Host:
-        one = replace(tables, room=room)
-        export = Export("room", model.recipe, model, "contacts", "float", ("tip_angle",), one)
-        return Host(describe(export))
 
-    return replace(tables, room=room_of(model, host))
+def _host(model: Model, tables: Tables) -> Host:
+    """Return tables that are asked before they are an export."""
+    channels = ("tip_angle",)
+    return Host(describe(Export("", model.recipe, model, "contacts", "float", channels, tables)))
 
 
 def drawn_tables(model: Model) -> Tables:
@@ -194,10 +214,10 @@ def off_of(model: Model, spec: Spec) -> float:
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
     terms = series_of(model, order, error)
-    body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
-    blank = Tables(spec, terms, None, None, LIMITS, 1.0, 0.0, "")
-    export = Export("off", model.recipe, model, "contacts", "float", (), blank)
-    off = most_off(model, describe(export, body), order, terms.knots)
+    three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
+    many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
+    blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
+    off = most_off(model, _host(model, blank), order, terms.knots)
     if off > MOST_OFF * error:
         raise InputError(
             f"its positions cannot be held to {error:.3g} by polynomials (got {off:.3g}: they jump "
@@ -211,7 +231,6 @@ class Contacts(Codec):
 
     name = "contacts"
     families: ClassVar = {"float": "points"}
-    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -224,25 +243,18 @@ class Contacts(Codec):
             if problem is None and model.recipe.python is not None:
                 off_of(model, self.sizes(model)[0])
             elif problem is None:
-                closed_form(model.recipe)
                 terms_of(model.recipe, model.radius, _order(model)[0])
         except InputError as error:
             return str(error)
         return problem
 
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...] = (),
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels = (), aim: Aim = ANY) -> list[Spec]:
         """Return the sizes there are."""
         if model.recipe.python is None:
             return [Spec()]
         return [Spec(error) for error in ERRORS[model.is_tripod]]
 
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Return the tables: every channel is computed from the same."""
         return _tables(model, spec)
 

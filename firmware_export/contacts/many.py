@@ -1,4 +1,9 @@
-"""Many contacts, or round ones: which rails they stand on, and the thresholds.
+"""Many contacts, or round ones: which are shown, the rails they stand on, and the thresholds.
+
+All contacts are in the tables but those that another one hides in every posture: the corners of a
+track's box lie on the rims of its wheels, and the first wheel of a flipper is that of the track on
+one axle with it.  Where both keep their distance a contact within another one never touches first,
+and would only cost bytes and time, and slivers of facets that rounding makes.
 
 The runtime's facets are exact but for rounding; every threshold is on the side on which rounding
 cannot make an unsafe answer safe, and GUARD is taken off every distance from the boundary.
@@ -14,13 +19,55 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.contacts.shown import shown_contacts
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
 from lutgen.recipe import robot_size_of
-from lutgen.support import DISC, SPHERE
+from lutgen.support import DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
 from lutgen.vector import Floats
+
+# Postures that tell: where sums of products of sines are equal in so many they are the same.
+TOLD, TOLD_SEED = 40, 11
+# Part of the size by which a distance may change, by rounding.
+KEPT = 1e-12
+
+
+def _keeps(primitives: Floats, i: int, j: int, size: float) -> bool:
+    """Tell whether contacts i and j are placed to each other alike in all postures (m, n, 8)."""
+    arm = primitives[:, i, :3] - primitives[:, j, :3]
+    ways = primitives[:, i, 3:6], primitives[:, j, 3:6]
+    alike = [
+        (arm**2).sum(axis=1) / size,
+        *((arm * axis).sum(axis=1) for axis in ways),
+        (ways[0] * ways[1]).sum(axis=1) * size,
+    ]
+    return all(float(np.ptp(one)) <= KEPT * size for one in alike)
+
+
+@lru_cache(maxsize=16)
+def shown_contacts(model: Model) -> tuple[int, ...]:
+    """Return the contacts that no other one hides in every posture, ascending.
+
+    Of two that are always one the first is shown.  Of a robot given by code all are: its postures
+    may be alike here and differ elsewhere.
+    """
+    every = range(len(model.kind))
+    if model.recipe.python is not None:
+        return tuple(every)
+    params = model.at(np.random.default_rng(TOLD_SEED).random((TOLD, model.k)))
+    where, size = model.postures(params), robot_size_of(model.recipe)
+    primitives = pack(where.centres, where.axes, model.radius, model.kind)
+    least = min(robot_size(one) for one in primitives)  # of which the definition takes its parts
+    hides = np.zeros((len(every), len(every)), dtype=bool)
+    for i in every:
+        for j in every:
+            hides[i, j] = (
+                i != j
+                and lies_within(primitives[0], i, j, STICKS_OUT, least)
+                and _keeps(primitives, i, j, size)
+            )
+    return tuple(i for i in every if not (hides[i] & ~(hides[:, i] & (np.array(every) > i))).any())
+
 
 # Sine that is taken off every distance.
 GUARD = 1e-4
@@ -94,16 +141,12 @@ def _carried(model: Model) -> list[int]:
     return [names.index(name) for axle in model.recipe.axles for name in axle.contacts]
 
 
-class Tracks(NamedTuple):
-    """The level axis (x, y) of all discs, and where (n,) each shown contact is along it, length."""
-
-    axis: tuple[float, float]
-    places: Floats
-
-
 @lru_cache(maxsize=8)
-def _tracks(model: Model) -> Tracks | None:
-    """Return the tracks of a robot, None where the runtime searches; postures tell."""
+def _tracks(model: Model) -> tuple[tuple[float, float], Floats] | None:
+    """Return the level axis (x, y) of all discs, and where (n,) shown contacts are along it.
+
+    In length; None where the runtime searches.  Postures tell.
+    """
     shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
     kinds = model.kind[shown]
     if (kinds == SPHERE).any() or model.recipe.upright > MOST_PITCH or model.recipe.axles:
@@ -126,7 +169,7 @@ def _tracks(model: Model) -> Tracks | None:
     places = along.mean(axis=0).round(9 - math.floor(math.log10(size)))
     if np.ptp(along, axis=0).max() > SAME * size or np.ptp(places) <= SAME * size:
         return None
-    return Tracks((float(axis[0]), float(axis[1])), places)
+    return (float(axis[0]), float(axis[1])), places
 
 
 def _lowest(model: Model, rho: float) -> float:
@@ -160,7 +203,7 @@ def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
     if tracks is None:
         points = range(len(model.kind), len(model.kind) + len(carried))
         return (*carried, *(at for at in shown if at not in carried), *points), True
-    return tuple(shown[at] for at in np.argsort(-tracks.places, kind="stable")), False
+    return tuple(shown[at] for at in np.argsort(-tracks[1], kind="stable")), False
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:
@@ -172,7 +215,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     tracks, (order, _) = _tracks(model), order_of(model)
     first, axis = [len(model.recipe.axles)], (0.0, 1.0)
     if tracks is not None:
-        axis, places = tracks.axis, -np.sort(-tracks.places)
+        axis, places = tracks[0], -np.sort(-tracks[1])
         for at in range(1, len(order)):
             if places[first[-1]] - places[at] > SAME * size:
                 first.append(at)

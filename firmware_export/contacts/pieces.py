@@ -2,17 +2,14 @@
 
 Axes are cut where the function has a kink, else in the middle, until few terms hold it along the
 axis.  Then every piece gets the tensor product of these, and `series` leaves out what is small.
+Nothing is known of the function but its values, so kinks and jumps are sought by samples on lines.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 
-from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.truth import (
     Model,
     chebyshev_nodes,
@@ -35,28 +32,23 @@ LINES, SEED = 12, 11
 JUMP = 1e-5
 # Part of the error asked for at which a series along an axis has ended.
 ENDED = 0.05
+# Places at which a stretch of a line is looked at, and how often it is made as much shorter.
+PLACES, ZOOMS, JUMP_ZOOMS = 65, 6, 8
+# A kink keeps its change of slope, what is smooth loses it: least share that is kept.
+KEPT = 0.02
+# Parts of a stretch within which kinks of several lines are at one place, and away from its ends.
+SAME = 1e-6
+
+# Params (m, k) -> groups (m, g, 3), length.
+Place = Callable[[Floats], Floats]
+# (n, l) places of l lines, or (n, 1) of all -> (n, l, c) coordinates.
+Line = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Series over pieces.
-
-    `knots`: of each axis (p + 1,), rad or length, exact in single precision; `series`:
-    (p_1, ..., p_k, n_1, ..., n_k, groups, 3) float64, coefficients of T_a1(s_1) ... T_ak(s_k) with
-    s from -1 to 1 over a piece, length.
-    """
-
-    knots: tuple[Floats, ...]
-    series: Floats
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Pieces of each axis."""
-        return tuple(len(one) - 1 for one in self.knots)
-
-
-def pieces_of(model: Model, order: tuple[int, ...], error: float, common: bool) -> Pieces:
-    """Return series that are off by less than about `error` (length).
+def pieces_of(
+    model: Model, order: tuple[int, ...], error: float, common: bool
+) -> tuple[list[Floats], Floats]:
+    """Return knots and series that are off by less than about `error` (length).
 
     Parameters
     ----------
@@ -70,105 +62,131 @@ def pieces_of(model: Model, order: tuple[int, ...], error: float, common: bool) 
         Whether the groups are minus the com, and contacts in the robot's own frame; else contacts
         relative to the com.
 
+    Returns
+    -------
+    list of (p + 1,) float64
+        The knots of each axis, rad or length, exact in single precision.
+    (p_1, ..., p_k, n_1, ..., n_k, groups, 3) float64
+        Coefficients of T_a1(s_1) ... T_ak(s_k) with s from -1 to 1 over a piece, length.
+
     Raises
     ------
     InputError
         Where the positions jump, or too many pieces would be needed.
     """
     box = widened(model)
-    place = _function(box, order, common)
-    ends = zip(box.lower, box.upper, strict=True)
-    knots, lengths = [], []
-    for axis, (low, high) in enumerate(ends):
-        single = np.array([low, high], np.float32).astype(np.float64)
-        cuts, length = _cut(box, place, axis, single, error)
-        knots.append(cuts)
-        lengths.append(length)
-        nodes = math.prod(len(one) - 1 for one in knots) * math.prod(lengths)
-        if nodes > MOST_NODES:
-            raise InputError(_too_many(error))
-    return Pieces(tuple(knots), _series(place, knots, lengths))
-
-
-def _too_many(error: float) -> str:
-    return (
-        f"its positions cannot be held to {error:.3g} by a moderate number of polynomials (they "
-        "have kinks along no axis, or bend too fast); use --codec grid"
-    )
-
-
-def _function(box: Model, order: tuple[int, ...], common: bool) -> Callable[[Floats], Floats]:
-    """Return params (m, k) -> groups (m, g, 3), length."""
 
     def place(params: Floats) -> Floats:
         found = box.postures(params)
         centres, com = found.centres[:, order], found.com[:, None]
         return np.concatenate([-com, centres + com], axis=1) if common else centres
 
-    return place
+    knots, lengths = list[Floats](), list[int]()
+    for axis in range(box.k):
+        cuts, length = _cut(box, place, axis, error)
+        knots.append(cuts)
+        lengths.append(length)
+        nodes = math.prod(len(one) - 1 for one in knots) * math.prod(lengths)
+        if nodes > MOST_NODES:
+            raise _too_many(error)
+    return knots, _series(place, knots, lengths)
 
 
-@lru_cache(maxsize=8)
-def com_moves(model: Model) -> bool:
-    """Whether the com moves in the robot's own frame: then all contacts share that."""
-    t = np.random.default_rng(SEED).random((500, model.k))
-    com = model.postures(model.at(t)).com
-    return bool(np.ptp(com, axis=0).max() > 1e-9 * robot_size_of(model.recipe))
+def _too_many(error: float) -> InputError:
+    return InputError(
+        f"its positions cannot be held to {error:.3g} by a moderate number of polynomials (they "
+        "have kinks along no axis, or bend too fast); use --codec grid"
+    )
 
 
-def _bases(box: Model) -> Floats:
-    """Return the postures (l, k) through which the lines go: some corners, the middle, others."""
+def _cut(box: Model, place: Place, axis: int, error: float) -> tuple[Floats, int]:
+    """Return the knots of an axis, and how many terms each piece needs along it.
+
+    The lines go through some corners of the box, its middle, and other postures.
+    """
     rng = np.random.default_rng(SEED)
     t = rng.random((LINES, box.k))
     t[:4] = rng.integers(0, 2, (4, box.k))
     t[4] = 0.5
-    return box.at(t)
-
-
-def _cut(
-    box: Model, place: Callable[[Floats], Floats], axis: int, ends: Floats, error: float
-) -> tuple[Floats, int]:
-    """Return the knots of an axis, and how many terms each piece needs along it."""
-    bases, size = _bases(box), robot_size_of(box.recipe)
-    matrix = chebyshev_transform(LINE_NODES)
+    bases, matrix = box.at(t), chebyshev_transform(LINE_NODES)
 
     def line(x: Floats) -> Floats:
         params = np.broadcast_to(bases, (len(x), *bases.shape)).copy()
         params[..., axis] = x
         return place(params.reshape(-1, box.k)).reshape(*params.shape[:2], -1)
 
-    knots = ends
-    while True:
-        longest = 1
-        for low, high in pairwise(knots):
-            x = low + (chebyshev_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
-            found = np.tensordot(matrix, line(x), (1, 0))
-            above = np.flatnonzero(np.abs(found).max(axis=(1, 2)) > ENDED * error)
-            length = int(above[-1]) + 1 if len(above) else 1
-            if length > MOST_LENGTH[box.k]:
-                break
+    knots = [float(np.float32(end)) for end in (box.lower[axis], box.upper[axis])]
+    stretches, longest = [(knots[0], knots[1])], 1
+    while stretches:
+        low, high = stretches.pop()
+        x = low + (chebyshev_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
+        found = np.tensordot(matrix, line(x), (1, 0))
+        above = np.flatnonzero(np.abs(found).max(axis=(1, 2)) > ENDED * error)
+        length = int(above[-1]) + 1 if len(above) else 1
+        if length <= MOST_LENGTH[box.k]:
             longest = max(longest, length)
-        else:
-            return knots, longest
-        if len(knots) > MOST_PIECES:
-            raise InputError(_too_many(error))
-        jump, where = find_jump(low, high, line)
-        if jump > JUMP * size:
+            continue
+        jump, where = _jump(low, high, line)
+        if jump > JUMP * robot_size_of(box.recipe):
             name = box.recipe.parameters[axis].name
             raise InputError(
                 f"its positions jump (by {jump:.3g} where {name} is {where:.6g}), which no table "
                 "may hold; let them be continuous, or use --codec grid"
             )
-        cut = float(np.float32(find_break(low, high, line)))
-        if not low < cut < high:
-            raise InputError(_too_many(error))
-        knots = np.sort(np.append(knots, cut))
+        cut = float(np.float32(_break(low, high, line)))
+        if len(knots) > MOST_PIECES or not low < cut < high:
+            raise _too_many(error)
+        knots.append(cut)
+        stretches += [(cut, high), (low, cut)]
+    return np.sort(knots), longest
 
 
-def _series(
-    place: Callable[[Floats], Floats], knots: Sequence[Floats], lengths: Sequence[int]
-) -> Floats:
-    """Return the series of all pieces, see `Pieces`; one node more than there are terms."""
+def _zoom(low: float, width: float, line: Line, order: int, times: int) -> tuple[Floats, Floats]:
+    """Make the stretch of each line on which differences of an order are largest shorter.
+
+    Returns where the last ones begin (l,), and the largest differences (times, l).
+    """
+    begin, most = np.full(1, low), []
+    for _ in range(times):
+        x = begin + width * np.linspace(0.0, 1.0, PLACES)[:, None]
+        change = np.abs(np.diff(line(x), order, axis=0)).max(axis=2)
+        at = change.argmax(axis=0)
+        begin = np.take_along_axis(np.broadcast_to(x, (PLACES, len(at))), at[None], axis=0)[0]
+        most.append(change.max(axis=0))
+        width *= order / (PLACES - 1)
+    return begin, np.array(most)
+
+
+def _jump(low: float, high: float, line: Line) -> tuple[float, float]:
+    """Return by how much a coordinate jumps between two places, and where.
+
+    What is continuous changes by less and less on shorter stretches, at last by nearly nothing.
+    """
+    begin, change = _zoom(low, high - low, line, 1, JUMP_ZOOMS)
+    most = int(change[-1].argmax())
+    return float(change[-1, most]), float(begin[most])
+
+
+def _break(low: float, high: float, line: Line) -> float:
+    """Return where to cut a stretch: at a kink that all lines have at one place, or in the middle.
+
+    `line` gives coordinates at places of the lines between both ends.
+    """
+    begin, change = _zoom(low, high - low, line, 2, ZOOMS)
+    # The second difference at a kink grows with the stretch, elsewhere with its square.
+    bend = change[-1] * (0.5 * (PLACES - 1)) ** (ZOOMS - 1)
+    kinked = (bend > KEPT * change[0]) & (bend > KEPT * bend.max())
+    place = begin + 0.5 * (high - low) * (2.0 / (PLACES - 1)) ** ZOOMS
+    if kinked.any():
+        found, near = float(np.median(place[kinked])), SAME * (high - low)
+        alike = bool(np.all(np.abs(place[kinked] - found) < near))
+        if alike and low + near < found < high - near:
+            return found
+    return 0.5 * (low + high)
+
+
+def _series(place: Place, knots: Sequence[Floats], lengths: Sequence[int]) -> Floats:
+    """Return the series of all pieces, see `pieces_of`; one node more than there are terms."""
     k, counts = len(knots), [n + 1 for n in lengths]
     axes = [
         (one[:-1, None] + (chebyshev_nodes(n) + 1.0) / 2.0 * np.diff(one)[:, None]).ravel()

@@ -1,6 +1,12 @@
 """The tables of positions of a robot that is given by code: codes of series over pieces.
 
 The layout is that of runtime/smap_series.h.  Small terms are left out, and the others rounded.
+
+Nothing is known of the code but its values, so the bound of how far the positions of the C are off
+is of what is seen.  On a dense grid of postures the very C is asked, in single precision.  Between
+two neighbours of the grid the difference rises by about half of what it changes from one to the
+other; for every axis the whole of the largest such change is added to the largest difference.  That
+holds for all that a grid as dense can show.  Ends, cuts and random postures are looked at beside.
 """
 
 import itertools
@@ -11,11 +17,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.contacts.pieces import MOST_PARAMETERS, Pieces, com_moves, pieces_of
+from firmware_export.contacts.pieces import MOST_PARAMETERS, pieces_of
 from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
+from firmware_export.host import Host
 from firmware_export.protocol import CArray
-from firmware_export.truth import Model
+from firmware_export.truth import Model, combinations, widened
 from lutgen.errors import InputError
+from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
 
 # Flags of the runtime, beside those of closed forms.
@@ -26,28 +34,32 @@ LARGEST = {2: 32767, 3: 8388607}
 MOST_TERMS = 65535
 
 Degrees = tuple[int, ...]
+Pair = tuple[int, int]
+Row = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
     """The tables of a robot's positions.
 
-    `knots`: of each axis; `degrees`: the highest of each parameter; `products`: pairs of entries;
-    `masks`: of each group the parameters by which its pieces go; `rows`: first term of each group
-    and piece, and how many x, y and z have; `entries` and `codes` of the terms; `unit`: length of a
-    code, of `code_bytes` each; `common`: whether the first group is minus the com.
+    `knots`: of each axis; `degrees`: the highest of each parameter; `masks`: of each group the
+    parameters by which its pieces go; `products`: pairs of entries; `rows`: first term of each
+    group and piece, and how many x, y and z have; `term_entries` and `codes` of the terms; `unit`:
+    length of a code, of `code_bytes` each; `common`: whether the first group is minus the com;
+    `axes`: how many axes of discs, which codes do not hold.
     """
 
     knots: tuple[Floats, ...]
     degrees: Degrees
-    products: tuple[tuple[int, int], ...]
     masks: tuple[int, ...]
-    rows: tuple[tuple[int, int, int, int], ...]
+    products: tuple[Pair, ...]
+    rows: tuple[Row, ...]
     term_entries: NDArray[np.uint8]
     codes: NDArray[np.int64]
     unit: np.float32
     code_bytes: int
     common: bool
+    axes: int = 0
 
     @property
     def entries(self) -> int:
@@ -58,11 +70,6 @@ class Series:
     def width(self) -> int:
         """How many coordinates the runtime computes."""
         return 3 * (len(self.masks) - self.common)
-
-    @property
-    def axes(self) -> int:
-        """How many distinct axes of discs there are: codes hold none."""
-        return 0
 
     @property
     def bytes(self) -> int:
@@ -112,30 +119,21 @@ def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
             f"the robot is given by code, whose positions are held as tables over at most "
             f"{MOST_PARAMETERS} parameters (got {model.k}); use --codec grid"
         )
-    plain = _tables(pieces_of(model, order, error, False), error, False)
-    if not com_moves(model):
+    plain = _tables(model, order, error, False)
+    com = model.postures(model.at(np.random.default_rng(SEED).random((500, model.k)))).com
+    if np.ptp(com, axis=0).max() <= 1e-9 * robot_size_of(model.recipe):
         return plain
-    shared = _tables(pieces_of(model, order, 0.5 * error, True), 0.5 * error, True)
-    return min(plain, shared, key=lambda one: one.bytes)
+    # All contacts share a com that moves; both are off by half as much.
+    return min(plain, _tables(model, order, 0.5 * error, True), key=lambda one: one.bytes)
 
 
-def _shortened(values: Floats, budget: float) -> Floats:
-    """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
-    size = np.abs(values).ravel()
-    order = np.argsort(size, kind="stable")
-    gone = order[np.cumsum(size[order]) <= budget]
-    result = values.ravel().copy()
-    result[gone] = 0.0
-    return result.reshape(values.shape)
-
-
-def _tables(pieces: Pieces, error: float, common: bool) -> Series:
-    """Leave out what is small, and round the rest."""
-    k, shape = len(pieces.knots), pieces.shape
-    groups = pieces.series.shape[-2]
+def _tables(model: Model, order: tuple[int, ...], error: float, common: bool) -> Series:
+    """Leave out what is small of a robot's series, and round the rest."""
+    knots, series = pieces_of(model, order, error, common)
+    k, shape = len(knots), [len(one) - 1 for one in knots]
     masks, kept = [], []
-    for group in range(groups):
-        own = pieces.series[..., group, :]
+    for group in range(series.shape[-2]):
+        own = series[..., group, :]
         moving = [
             j
             for j in range(k)
@@ -150,72 +148,111 @@ def _tables(pieces: Pieces, error: float, common: bool) -> Series:
             place = dict(zip(moving, piece, strict=True))
             here = own[tuple(place.get(j, 0) for j in range(k))]
             kept.append([_shortened(here[..., i], LEFT_OUT * error / 3**0.5) for i in range(3)])
-    codes, unit, width = _rounded(kept, error)
-    used = np.concatenate([np.argwhere(one) for row in codes for one in row])
-    degrees = tuple(used.max(axis=0, initial=0).tolist())
-    return _packed(pieces, codes, unit, width, (degrees, tuple(masks), common))
-
-
-def _rounded(
-    kept: list[list[Floats]], error: float
-) -> tuple[list[list[NDArray[np.int64]]], np.float32, int]:
-    """Return codes of the coefficients, the length of one, and its bytes: two if they will do."""
     largest = max(float(np.abs(one).max(initial=0.0)) for row in kept for one in row)
     most = max(int(np.count_nonzero(one)) for row in kept for one in row)
+    # Two bytes for a code if they will do.
     width = 2 if 0.5 * 3**0.5 * most * largest / LARGEST[2] <= ROUNDED * error else 3
     unit = np.float32(max(largest, 1e-30) / LARGEST[width] * (1.0 + 1e-6))
     codes = [[np.rint(one / float(unit)).astype(np.int64) for one in row] for row in kept]
-    return codes, unit, width
+    used = np.concatenate([np.argwhere(one) for row in codes for one in row])
+    degrees = tuple(used.max(axis=0, initial=0).tolist())
+    return Series(
+        tuple(knots), degrees, tuple(masks), *_packed(codes, degrees), unit, width, common
+    )
+
+
+def _shortened(values: Floats, budget: float) -> Floats:
+    """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
+    size = np.abs(values).ravel()
+    order = np.argsort(size, kind="stable")
+    result = values.copy()
+    result.flat[order[np.cumsum(size[order]) <= budget]] = 0.0
+    return result
 
 
 def _packed(
-    pieces: Pieces,
-    codes: list[list[NDArray[np.int64]]],
-    unit: np.float32,
-    width: int,
-    how: tuple[Degrees, tuple[int, ...], bool],
-) -> Series:
-    """Return the tables with entries and rows numbered; rows that are alike are stored once."""
-    degrees, masks, common = how
+    codes: list[list[NDArray[np.int64]]], degrees: Degrees
+) -> tuple[tuple[Pair, ...], tuple[Row, ...], NDArray[np.uint8], NDArray[np.int64]]:
+    """Return products, rows, and entries and codes of the terms; rows alike are stored once."""
     begins = [1, *(1 + total for total in itertools.accumulate(degrees))]
-    table = Products(begins[-1])
-    entries: list[int] = []
-    values: list[int] = []
-    rows: list[tuple[int, int, int, int]] = []
-    known: dict[tuple[tuple[int, ...], ...], tuple[int, int, int, int]] = {}
+    table, terms = Products(begins[-1]), list[tuple[int, int]]()
+    known: dict[tuple[tuple[int, int], ...], Row] = {}
+    rows = []
     for row in codes:
-        own: list[tuple[int, int]] = []
-        counts = []
+        own, counts = list[tuple[int, int]](), []
         for one in row:
             # The smallest first: rounding of the sum is least so.
-            found = sorted((abs(int(one[n])), n) for n in map(tuple, np.argwhere(one).tolist()))
-            factors = [
-                tuple(b + d - 1 for b, d in zip(begins, n, strict=False) if d) for _, n in found
-            ]
-            own += [(table.of(f), int(one[n])) for f, (_, n) in zip(factors, found, strict=True)]
-            counts.append(len(found))
-        key = (tuple(counts), *own)
+            for _, n in sorted(
+                (abs(int(one[n])), n) for n in map(tuple, np.argwhere(one).tolist())
+            ):
+                factors = tuple(b + d - 1 for b, d in zip(begins, n, strict=False) if d)
+                own.append((table.of(factors), int(one[n])))
+            counts.append(int(np.count_nonzero(one)))
+        key = ((counts[0], counts[1]), *own)
         if key not in known:
-            known[key] = (len(values), counts[0], counts[1], counts[2])
-            entries += [entry for entry, _ in own]
-            values += [code for _, code in own]
+            known[key] = (len(terms), counts[0], counts[1], counts[2])
+            terms += own
         rows.append(known[key])
-    count = table.count
     most = max(max(row[1:]) for row in rows)
-    if count > MOST_ENTRIES or len(values) > MOST_TERMS or most > MOST_ENTRIES:
+    if table.count > MOST_ENTRIES or len(terms) > MOST_TERMS or most > MOST_ENTRIES:
         raise InputError(
-            f"its positions need {count} functions and {len(values)} coefficients, more than the "
-            f"{MOST_ENTRIES} and {MOST_TERMS} of the runtime"
+            f"its positions need {table.count} functions and {len(terms)} coefficients, more than "
+            f"the {MOST_ENTRIES} and {MOST_TERMS} of the runtime"
         )
-    return Series(
-        pieces.knots,
-        degrees,
-        tuple(table.pairs),
-        masks,
-        tuple(rows),
-        np.array(entries, np.uint8),
-        np.array(values, np.int64),
-        unit,
-        width,
-        common,
-    )
+    entries, values = np.array(terms, np.int64).reshape(-1, 2).T
+    return tuple(table.pairs), tuple(rows), entries.astype(np.uint8), values
+
+
+# Places along each axis of the grid by the number of parameters, and other postures.
+PLACES, POSTURES, SEED = (1, 20_001, 301, 46), 30_000, 13
+
+
+def most_off(model: Model, host: Host, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
+    """Return a bound of how far (length) any contact of the C is from the real one.
+
+    Parameters
+    ----------
+    model : Model
+        The robot; looked at as far beyond its box as sensors may say.
+    host : Host
+        A map with its tables of positions; nothing else of it counts.
+    order : tuple of int
+        The recipe's contacts as the map has them.
+    knots : tuple of (p,) float64
+        Where the tables are cut.
+    """
+    box = widened(model)
+
+    def off(params: Floats) -> Floats:
+        centres = box.postures(_single(params)).centres[:, list(order)]
+        return host.positions(params) - centres
+
+    low, high = _single(box.lower), _single(box.upper)
+    count = PLACES[model.k]
+    grid = combinations([np.linspace(a, b, count) for a, b in zip(low, high, strict=True)])
+    seen = off(grid).reshape(*(count,) * model.k, -1, 3)
+    bound = float(np.sqrt((seen**2).sum(axis=-1)).max())
+    for axis in range(model.k):
+        between = np.diff(seen, axis=axis)
+        bound += float(np.sqrt((between**2).sum(axis=-1)).max())
+    others = off(_others(low, high, knots))
+    return max(bound, float(np.sqrt((others**2).sum(axis=-1)).max()))
+
+
+def _single(numbers: Floats) -> Floats:
+    """Return numbers rounded to single precision."""
+    return numbers.astype(np.float32).astype(np.float64)
+
+
+def _others(low: Floats, high: Floats, knots: tuple[Floats, ...]) -> Floats:
+    """Return random postures (m, k), and some on both sides of each end and cut."""
+    rng = np.random.default_rng(SEED)
+    params = (low + (high - low) * rng.random((POSTURES, len(low)))).astype(np.float32)
+    for axis, cuts in enumerate(knots):
+        single = cuts.astype(np.float32)
+        beside = np.concatenate(
+            [single, np.nextafter(single, low[axis]), np.nextafter(single, high[axis])]
+        )
+        some = slice(axis, POSTURES // 2, len(knots))
+        params[some, axis] = np.clip(rng.choice(beside, len(params[some])), low[axis], high[axis])
+    return params.astype(np.float64)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.contacts.closed import Closed, Sum, closed_form, factors_of
+from firmware_export.contacts.closed import Sum, closed_form, factors_of
 from firmware_export.protocol import CArray
 from firmware_export.truth import slack
 from lutgen.errors import InputError
@@ -42,7 +42,8 @@ class Terms:
 
     `angles`: (parameter, rate) of each angle; `travels`: parameters; `products`: pairs of entries;
     `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far
-    (length) a contact of the runtime is from the real one.
+    (length) a contact of the runtime is from the real one; `knots`: where axes of parameters are
+    cut, nowhere.
     """
 
     angles: tuple[tuple[int, float], ...]
@@ -55,6 +56,7 @@ class Terms:
     near: bool
     radii: Floats
     error: float
+    knots: tuple[Floats, ...] = ()
 
     @property
     def entries(self) -> int:
@@ -66,18 +68,6 @@ class Terms:
         """How many coordinates the runtime computes."""
         return len(self.coordinates)
 
-    @property
-    def knots(self) -> tuple[Floats, ...]:
-        """Where the axes of parameters are cut: nowhere."""
-        return ()
-
-    @property
-    def flags(self) -> int:
-        """What the runtime's tables hold."""
-        rated = any(rate != 1.0 for _, rate in self.angles)
-        flags = COMMON * self.common | RATED * rated | NEAR * self.near
-        return flags | ROUND * bool(self.radii.any())
-
     def arrays(
         self, order: int, thresholds: Sequence[float], many: Sequence[CArray]
     ) -> tuple[CArray, ...]:
@@ -87,10 +77,11 @@ class Terms:
         least width of a facet, `many` what the codec for many contacts adds.
         """
         terms = [term for coordinate in self.coordinates for term in coordinate]
-        flags = self.flags
-        radii: Sequence[float] | Floats = self.radii if flags & ROUND else []
+        rated, round_ = any(rate != 1.0 for _, rate in self.angles), bool(self.radii.any())
+        flags = COMMON * self.common | RATED * rated | ROUND * round_ | NEAR * self.near
+        radii: Sequence[float] | Floats = self.radii if round_ else []
         sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
-        rates = [rate for _, rate in self.angles] if flags & RATED else []
+        rates = [rate for _, rate in self.angles] if rated else []
         joints = [parameter for parameter, _ in self.angles] + list(self.travels)
         return (
             *head(sizes, len(terms), (flags, order), thresholds, many),
@@ -142,7 +133,9 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
     centres = [closed.centres[at] for at in order]
     axes, axis_of = _axes([closed.axes[at] if turning else None for at in order])
     vectors = [shift, *centres] if moving else [one + shift for one in centres]
-    size = _size(closed, radius)
+    # What is small beside the largest coefficient of any position is not kept.
+    largest = [float(np.abs(v).max()) for one in closed.centres for v in one.terms.values()]
+    size = max([*largest, float(radius.max(initial=0.0)), 1e-12])
     scales = [size] * len(vectors) + [1.0] * len(axes)
     kept = [
         {m: np.where(np.abs(v) < NEGLIGIBLE * scale, 0.0, v) for m, v in one.terms.items()}
@@ -213,31 +206,21 @@ class Products:
 
 def _axes(axes: Sequence[Sum | None]) -> tuple[list[Sum], list[int]]:
     """Return the distinct axes of discs, and which of them each contact has."""
-    found: list[Sum] = []
-    of = []
+    found, of = list[Sum](), list[int]()
     for axis in axes:
-        if axis is None:
-            of.append(NO_AXIS)
-            continue
-        same = [
-            at for at, one in enumerate(found) if _same(axis, one, 1.0) or _same(axis, one, -1.0)
-        ]
-        if not same:
-            found.append(axis)
-        of.append(same[0] if same else len(found) - 1)
+        at = NO_AXIS
+        if axis is not None:
+            same = (at for at, one in enumerate(found) if _parallel(axis, one))
+            at = next(same, len(found))
+            found += [axis] if at == len(found) else []
+        of.append(at)
     return found, of
 
 
-def _same(one: Sum, other: Sum, sign: float) -> bool:
-    """Whether a unit vector is another one times a sign wherever the joints are."""
-    difference = one + other.scaled(-sign)
-    return all(float(np.abs(value).max()) < NEGLIGIBLE for value in difference.terms.values())
-
-
-def _size(closed: Closed, radius: Floats) -> float:
-    """Return the largest coefficient of any position: what is small beside it is not kept."""
-    largest = [float(np.abs(v).max()) for one in closed.centres for v in one.terms.values()]
-    return max([*largest, float(radius.max(initial=0.0)), 1e-12])
+def _parallel(one: Sum, other: Sum) -> bool:
+    """Whether unit vectors are alike, or opposite, wherever the joints are."""
+    apart = [(one + other.scaled(sign)).terms.values() for sign in (-1.0, 1.0)]
+    return any(all(float(np.abs(v).max()) < NEGLIGIBLE for v in values) for values in apart)
 
 
 def _error(recipe: Recipe, sums: Sequence[Sum], moving: bool) -> float:

@@ -1,6 +1,6 @@
 """On-board control: the policy of a robot, and an export that has one.
 
-In reading order: `limits`, `objective`, `table`, `maker`, `steering`, `ride`, `loop`.
+In reading order: `limits`, `table`, `maker`, `steering`, `ride`, `loop`.
 """
 
 from firmware_export.control.loop import Loop, Plant, controlled, uncontrolled

@@ -8,14 +8,12 @@ import numpy as np
 
 from firmware_export.control.steering import Steering
 from lutgen import bounds
-from lutgen.chart import unit_directions
+from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
-from lutgen.search import Path, check_columns, read_rows
+from lutgen.search import Path, read_rows
 from lutgen.vector import Floats
 
-# m/s^2.
-GRAVITY = 9.80665
 UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
 
 
@@ -55,7 +53,7 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
             np.interp(at, path.distance, np.unwrap(path.heading)),
             unit_directions(_between(at, path.distance, path.gravity)),
         )
-    return Ride(path, path.gravity, np.full(len(path.gravity), GRAVITY))
+    return Ride(path, path.gravity, np.full(len(path.gravity), STANDARD_GRAVITY))
 
 
 def read_log(
@@ -70,12 +68,12 @@ def read_log(
     """
     source, joints = os.fspath(file), [p.name for p in recipe.parameters]
 
-    def check_names(_: str, names: list[str]) -> None:
+    def columns(names: list[str]) -> tuple[list[str], list[str]]:
         gyroscope = RATE if any(name in names for name in RATE) else ()
         wanted = ["time", *UP, *gyroscope, *joints]
-        check_columns(source, names, wanted, wanted)
+        return wanted, wanted
 
-    rows, lines = read_rows(file, check_names, "a log needs at least 2 rows")
+    rows, lines = read_rows(file, columns, "a log needs at least 2 rows")
     time, up = rows["time"], np.stack([rows[name] for name in UP], axis=1)
     late = np.diff(time) <= 0.0
     if late.any():

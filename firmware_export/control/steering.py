@@ -109,10 +109,10 @@ def steering_in(directory: str | os.PathLike[str]) -> Steering:
     return Steering(recipe, folder.blob, packed, cycle, latency, rates, folder.report["codec"])
 
 
-def steering_of(recipe: Recipe, wishes: Wishes, codec: str = "contacts") -> Steering:
+def steering_of(recipe: Recipe, wishes: Wishes) -> Steering:
     """Return a robot with a map and a policy, made now and not certified."""
     model = Model(recipe)
-    info = usable(model, "float", codec)[0]
+    info = usable(model, "float", "contacts")[0]
     export, found = steered(info.export(model, default_name(recipe.name), CHANNELS), wishes)
     blob = describe(export)
     packed = found.policy.packed(blob.bytes)

@@ -10,8 +10,7 @@ from typing import Any
 
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import runtime_version
-from firmware_export.emit.size import CELL, TARGET, counted_row, family_row
-from firmware_export.host import family_of
+from firmware_export.emit.size import counted, flash_bytes
 from firmware_export.protocol import Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
@@ -22,8 +21,6 @@ from lutgen.recipe import Recipe
 
 FORMAT = 2
 MARKER = "lutgen_export"
-# The target that reports tell of.
-COUNTED, BOARD = "Cortex-M4F", "m4f"
 FALSE_TIP = "stable configurations reported unsafe"
 OWN_MACROS = ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK", "GAPS")
 # What takes flash.
@@ -57,55 +54,6 @@ def _movement(parameter: Parameter, recipe: Recipe) -> str:
         if moved:
             parts.append(f"{verb} {', '.join(moved)}")
     return " and ".join(parts) or "parameter of the recipe's own function"
-
-
-def flash_bytes(export: Export) -> dict[str, Any]:
-    """Return the bytes of an export: tables, descriptor, code, total, and the stack of any call.
-
-    With a policy there are those of the code that follows it, and of the policy itself.
-    `measured`: this very export was; else code and stack are the most that its family takes.
-    """
-    body, blob = export.body, describe(export)
-    most = family_row(family_of(blob.codec, blob.integer), dict(body.macros))
-    row = counted_row(export)
-    cell = {} if row is None else row.get(CELL, {})
-    code, more = cell.get("code", most["code"]), {}
-    stack = most["stack"] + max(0, 4 * body.pose[0] + 4 - most["pose"])
-    if export.policy is not None:
-        packed = export.policy.packed(blob.bytes)
-        more = {"control": most["control"], "policy": len(packed)}
-    descriptors = len(blob.bytes) - body.bytes
-    return {
-        "tables": body.bytes,
-        "descriptors": descriptors,
-        "code": code,
-        **more,
-        "total": body.bytes + descriptors + code + sum(more.values()),
-        "stack": cell.get("stack", stack),
-        "measured": bool(cell) and not more,
-        "target": TARGET,
-    }
-
-
-def counted(export: Export) -> list[dict[str, Any]] | None:
-    """Return the counted cost of a read of this very export, None where it was not counted.
-
-    For each compiler option and call ``target``, ``option``, ``unit``, ``call``, ``median``,
-    ``max`` and ``stack`` (bytes, None where it is not known).
-    """
-    row = counted_row(export)
-    if row is None:
-        return None
-    head = {"target": COUNTED, "unit": "instructions"}
-    return [
-        head
-        | {"option": key.split()[1], "call": call}
-        | {"median": numbers[0], "max": numbers[1], "stack": numbers[2]}
-        for key, cell in row.items()
-        if key.startswith(BOARD)
-        for call, numbers in cell.items()
-        if isinstance(numbers, list)
-    ]
 
 
 def report(export: Export) -> dict[str, Any]:
@@ -244,35 +192,32 @@ def share(value: float | None) -> str:
     return "not measured" if value is None else f"{100.0 * value:.3g} %"
 
 
-def error_texts(channel: str, entry: dict[str, Any], length_unit: str) -> tuple[str, str, str]:
-    """Return maximum, 99th percentile and RMS error of a channel, with units."""
-    unit = "" if length_unit == "1" else f" {length_unit}"
-    texts = []
-    for name in ("max", "p99", "rms"):
-        # A channel that jumps has no largest error, only a largest one that was seen.
-        key = "largest_seen" if name == "max" and entry.get("max") is None else name
-        value = entry.get(key)
-        if value is None:
-            texts.append("-")
-            continue
-        seen = "no bound, seen: " if key == "largest_seen" else ""
-        if channel == "tip_angle":
-            texts.append(f"{seen}{number(math.degrees(value))} deg")
-            continue
-        percent = entry.get(f"{key}_percent")
-        extra = "" if percent is None else f" ({number(percent, 3)} %)"
-        texts.append(f"{seen}{number(value)}{unit}{extra}")
-    return texts[0], texts[1], texts[2]
+def errors_of(content: dict[str, Any]) -> dict[str, tuple[str, ...] | None]:
+    """Return maximum, 99th percentile and RMS error of each channel of a report, with units.
 
-
-def errors_of(content: dict[str, Any]) -> dict[str, tuple[str, str, str] | None]:
-    """Return `error_texts` of each channel of a report, None for what was not measured."""
+    None stands for what was not measured.
+    """
+    unit = "" if content["length_unit"] == "1" else f" {content['length_unit']}"
     return {
-        name: error_texts(name, channel["error"], content["length_unit"])
+        name: tuple(_error_text(name, channel["error"], key, unit) for key in ("max", "p99", "rms"))
         if channel["error"]
         else None
         for name, channel in content["channels"].items()
     }
+
+
+def _error_text(channel: str, entry: dict[str, Any], key: str, unit: str) -> str:
+    # A channel that jumps has no largest error, only a largest one that was seen.
+    seen = ""
+    if key == "max" and entry.get("max") is None:
+        key, seen = "largest_seen", "no bound, seen: "
+    value, percent = entry.get(key), entry.get(f"{key}_percent")
+    if value is None:
+        return "-"
+    if channel == "tip_angle":
+        return f"{seen}{number(math.degrees(value))} deg"
+    extra = "" if percent is None else f" ({number(percent, 3)} %)"
+    return f"{seen}{number(value)}{unit}{extra}"
 
 
 def bytes_text(sizes: dict[str, Any]) -> str:

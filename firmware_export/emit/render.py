@@ -80,7 +80,7 @@ def _environment() -> Environment:
     made.filters |= {one.__name__: one for one in (*filters, facts.number, facts.share)}
     made.filters |= {
         "json": json.dumps,
-        "literal": lambda value: literal(value, "float"),
+        "literal": literal,
         "middle": _middle,
         "posture": _posture,
     }
@@ -133,14 +133,14 @@ def _context(content: dict[str, Any]) -> dict[str, Any]:
         "steps_macros": [
             (
                 f"{stem}_{channel.upper()}_STEP",
-                literal(step, "float"),
+                literal(step),
                 f"{'ratio' if unit == '1' else unit} in one step",
             )
             for channel, step in content["steps"].items()
         ],
         "joints": ", ".join(f'"{p["name"]}"' for p in content["parameters"]),
-        "home": ", ".join(literal(value, "float") for value in policy.get("home", ())),
-        "cycle": literal(cycle, "float"),
+        "home": ", ".join(literal(value) for value in policy.get("home", ())),
+        "cycle": literal(cycle),
         "period": repr(cycle),
         "milliseconds": max(1, math.floor(1000.0 * cycle + 0.5)),
     }

@@ -109,9 +109,18 @@ def aims(tip: Floats) -> Singles:
     return np.where(tip < 0.0, 0.0, STANDS + SCALE * sine).astype(np.float32)
 
 
-def crowd(model: Model) -> tuple[int, int]:
-    """Return how many postures share directions, and how many times as many these are."""
-    return (AT_ONCE, 1) if model.k else (1, AT_ONCE)
+def _drawn(
+    ground: Ground, seed: list[int], each: int
+) -> tuple[Floats, Floats, Singles, NDArray[np.int8]]:
+    """Return random postures' places (m, k), the directions (d, 3) of all, and what `enter` says.
+
+    A robot of one posture has the directions of AT_ONCE.
+    """
+    model, rng = ground.model, np.random.default_rng(seed)
+    postures = AT_ONCE if model.k else 1
+    x = rng.random((postures, model.k)) * WHOLE
+    gravity = uniform_directions(model, rng, (each * (AT_ONCE // postures),))
+    return x, gravity, *ground.enter(x, gravity[None])
 
 
 @lru_cache(maxsize=1)
@@ -120,12 +129,8 @@ def learn(model: Model) -> Lesson:
     ground = ground_of(model)
     parts = []
     for part in range(-(-POINTS // (PER_POSTURE * AT_ONCE))):
-        rng = np.random.default_rng([SEED, part])
-        postures, more = crowd(model)
-        x = rng.random((postures, model.k)) * WHOLE
-        gravity = uniform_directions(model, rng, (PER_POSTURE * more,))
+        x, gravity, place, face = _drawn(ground, [SEED, part], PER_POSTURE)
         exact = ground.model.exact(ground.params(x), gravity[None])
-        place, face = ground.enter(x, gravity[None])
         lengths = (exact.sdg.astype(np.float32), exact.height.astype(np.float32))
         parts.append((place, face, aims(exact.tip_angle), *lengths))
     order = np.random.default_rng(SEED).permutation(sum(one[1].size for one in parts))
@@ -154,19 +159,14 @@ def learn(model: Model) -> Lesson:
 def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) -> Found:
     """Lower codes in place on fresh points that only just stand; return those falsely safe."""
     ground, found = lesson.ground, list[Found]()
-    model = ground.model
-    postures, more = crowd(model)
-    pool, asked = POOL * more, ASKED * more
     for part in range(max(1, ROUND // (AT_ONCE * ASKED))):
-        rng = np.random.default_rng([*seed, part])
-        x = rng.random((postures, model.k)) * WHOLE
-        gravity = uniform_directions(model, rng, (pool,))
-        place, face = ground.enter(x, gravity[None])
-        place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
+        x, gravity, place, face = _drawn(ground, [*seed, part], POOL)
+        place, block = place.reshape(-1, place.shape[2]), lesson.block[face].ravel()
         said = train.read(values, Points(place, block, place[:, 0]), lattice)
-        least = np.where(said >= STANDS, said, np.inf).reshape(postures, pool)
+        least = np.where(said >= STANDS, said, np.inf).reshape(face.shape)
+        asked = ASKED * AT_ONCE // len(x)
         at = np.argpartition(least, asked, axis=1)[:, :asked]
-        rows = (np.arange(postures)[:, None] * pool + at).ravel()
+        rows = (np.arange(len(x))[:, None] * len(gravity) + at).ravel()
         fresh = Points(place[rows], block[rows], place[rows, 0])
         found.append(_lower(lesson, values, lattice, ground.params(x), gravity[at], fresh))
     params, direction = (np.concatenate(one) for one in zip(*found, strict=True))
@@ -235,6 +235,7 @@ def length_error(lesson: Lesson, lattice: Lattice) -> float:
     )
 
 
+@lru_cache(maxsize=2)
 def fit(
     model: Model, shape: tuple[int, ...], lengths: tuple[str, ...]
 ) -> tuple[Lattice, Singles, dict[str, tuple[Singles, float]]]:

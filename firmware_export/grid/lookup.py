@@ -21,7 +21,7 @@ from firmware_export.grid.points import (
     reach_of,
     turned,
 )
-from firmware_export.protocol import CArray, CBody, Codec
+from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
 
@@ -50,12 +50,6 @@ class Spec:
             "x".join(map(str, one)) or "1" for one in self.nodes
         )
 
-    @classmethod
-    def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label."""
-        _, bits, *words = label.split()
-        return cls(int(bits[1:]), tuple(tuple(map(int, word.split("x"))) for word in words))
-
     @property
     def bytes(self) -> int:
         """Bytes of the codes, known before anything is encoded."""
@@ -80,11 +74,6 @@ class Tables(AnyTables):
     unit: float
     guard: float
     guard_text: str
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables."""
-        return sum(one.codes.nbytes + 1 + 2 * len(one.axes) for one in self.points)
 
     def body(self, integer: bool) -> CBody:
         """Return the tables for the emitter, in the layout of runtime/smap_lookup.h."""
@@ -115,8 +104,7 @@ class Tables(AnyTables):
             counts = [n[axis] for n in self.spec.nodes]
             t = np.linspace(0.0, 1.0, max(*counts, 2)) * (1.0 + 2.0 * room) - room
             knots.append(np.unique(np.clip(t, 0.0, 1.0)))
-        rim = np.array([-model.chart_limit, model.chart_limit])
-        return Cells(tuple(knots), rim, rim)
+        return tuple(knots)
 
 
 class Lookup(Codec):
@@ -124,7 +112,6 @@ class Lookup(Codec):
 
     name = "grid"
     families: ClassVar = {"float": "tables", "integer": "tables_i"}
-    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -136,13 +123,7 @@ class Lookup(Codec):
             return f"grid looks up contacts that depend on at most {MOST_AXES} parameters"
         return None
 
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...] = (),
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels = (), aim: Aim = ANY) -> list[Spec]:
         """Return sizes from three nodes on; wider codes where narrow ones round too much."""
         (wide, unit), order = bounds(model), rounds(model)
         moves = [[axis in depends_on(wide, one) for axis in range(model.k)] for one in order]
@@ -164,7 +145,7 @@ class Lookup(Codec):
             found.append(spec)
         return found
 
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Fit the tables of one size, and bound the guard."""
         wide, unit = bounds(model)
         order = rounds(model)

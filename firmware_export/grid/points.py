@@ -22,7 +22,7 @@ from lutgen.vector import Floats
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.
 UNITS = 16000
 MOST_AXES = 4
-PROBES = 9
+LINES, PROBES = 12, 9
 NEGLIGIBLE = 1e-9
 
 
@@ -37,33 +37,25 @@ class Point:
     codes: NDArray[np.int16] | NDArray[np.int8]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
+def _lines(model: Model, axis: int) -> Floats:
+    """Return the contacts (LINES, PROBES, 3, 3) along some lines that follow an axis."""
+    t = np.repeat(np.random.default_rng(6).random((LINES, 1, model.k)), PROBES, axis=1)
+    t[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
+    return model.postures(model.at(t.reshape(-1, model.k))).centres.reshape(LINES, PROBES, 3, 3)
+
+
 def depends_on(model: Model, contact: int) -> tuple[int, ...]:
     """Return the parameters on which a contact's position relative to the com depends."""
-    rng = np.random.default_rng(6)
-    found = []
-    for axis in range(model.k):
-        t = np.repeat(rng.random((12, 1, model.k)), PROBES, axis=1)
-        t[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
-        p = _contact(model, contact, t.reshape(-1, model.k)).reshape(12, PROBES, 3)
-        if np.abs(p - p[:, :1]).max() > NEGLIGIBLE * np.abs(p).max():
-            found.append(axis)
-    return tuple(found)
+    lines = [_lines(model, axis)[:, :, contact] for axis in range(model.k)]
+    moves = [np.abs(p - p[:, :1]).max() > NEGLIGIBLE * np.abs(p).max() for p in lines]
+    return tuple(np.flatnonzero(moves).tolist())
 
 
-@lru_cache(maxsize=16)
 def curvature(model: Model, axis: int) -> float:
     """Return how far (length) any contact's arc along an axis is from its chord at most."""
-    t = np.repeat(np.random.default_rng(6).random((12, 1, model.k)), PROBES, axis=1)
-    t[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
-    p = model.postures(model.at(t.reshape(-1, model.k))).centres.reshape(12, PROBES, -1)
-    second = p[:, 2:] - 2.0 * p[:, 1:-1] + p[:, :-2]
+    second = np.diff(_lines(model, axis), 2, axis=1)
     return float(np.abs(second).max()) * (PROBES - 1) ** 2 / 8.0
-
-
-def _contact(model: Model, contact: int, t: Floats) -> Floats:
-    """Return the positions (m, 3) of a contact at places t (m, k) of the box."""
-    return model.postures(model.at(t)).centres[:, contact]
 
 
 def reach_of(model: Model) -> float:
@@ -82,7 +74,7 @@ def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, uni
         t = np.full((len(grid), model.k), 0.5)
         t[:, list(axes)] = grid
         shape = (*(len(one) for one in places), 3)
-        return _contact(model, contact, t).reshape(shape)
+        return model.postures(model.at(t)).centres[:, contact].reshape(shape)
 
     knots = [np.linspace(0.0, 1.0, n) for n in nodes]
     values = exact(knots)

@@ -6,8 +6,7 @@ make the numbers.
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from firmware_export.grid import fit
 from firmware_export.grid.ground import Fold, Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice
-from firmware_export.protocol import CArray, CBody, Codec
+from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Model, Sample
 from lutgen.errors import ExportError
@@ -44,11 +43,6 @@ class Spec:
         """Short text, such as ``grid u8 18x18x15x13``."""
         return f"grid u{self.bits} " + "x".join(map(str, self.nodes))
 
-    @classmethod
-    def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label."""
-        return cls(tuple(map(int, label.split()[2].split("x"))))
-
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
@@ -59,7 +53,7 @@ class Tables(AnyTables):
     """
 
     spec: Spec
-    channels: tuple[str, ...]
+    channels: Channels
     ground: Ground
     lattice: Lattice
     block: NDArray[np.int8]
@@ -74,11 +68,6 @@ class Tables(AnyTables):
         """The knots of each axis."""
         rows = zip(self.lattice.knots, self.lattice.cells, strict=True)
         return [row[: cells + 1].astype(np.uint16) for row, cells in rows]
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables of numbers."""
-        return self.codes.nbytes + sum(2 + one.nbytes for one in self.knots)
 
     def body(self, integer: bool) -> CBody:
         """Return the tables for the emitter."""
@@ -118,17 +107,11 @@ class Tables(AnyTables):
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 
-@lru_cache(maxsize=2)
-def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> tuple[Any, ...]:
-    return fit.fit(model, nodes, lengths)
-
-
 class Trained(Codec):
     """The codec: one size, as large as may be or as an error needs; it trains for minutes."""
 
     name = "grid"
     families: ClassVar = {"integer": "grid"}
-    spec = Spec
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -150,49 +133,43 @@ class Trained(Codec):
             )
         return None
 
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...],
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Spec]:
         """Return the size that at most so many bytes of tables hold.
 
         Where an error of |SD_g| is asked for, the smallest whose table of it has p99 below that.
         """
-        if most is None:
+        if aim.bytes is None:
             return [Spec((6,) * (model.k + 2))]
         lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
         least = (int(lesson.block.max()) + 1) * fit.FEWEST ** (model.k + 2)
-        whole = max(min((most - HEAD) // tables, fit.MOST_NODES), least)
-        if percent is None:
+        whole = max(min((aim.bytes - HEAD) // tables, fit.MOST_NODES), least)
+        if aim.percent is None:
             return [Spec(lesson.shape(whole))]
         error, nodes = math.inf, min(FIRST, whole)
         while "sdg" in channels:
             error = fit.length_error(lesson, lesson.lattice(lesson.shape(nodes)))
-            if error <= percent or nodes == whole:
+            if error <= aim.percent or nodes == whole:
                 break
             nodes = min(round(GROWTH * nodes), whole)
-        if error > percent:
+        if error > aim.percent:
             raise ExportError(
                 f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
-                f"{error:.3g} % of the range for |SD_g|, {percent:.3g} % asked for); ask for a "
+                f"{error:.3g} % of the range for |SD_g|, {aim.percent:.3g} % asked for); ask for a "
                 "size of flash alone, or choose the codec contacts."
             )
         return [Spec(lesson.shape(nodes))]
 
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Train the tables of one size."""
         lengths = _lengths(channels)
-        lattice, values, found = _fitted(model, spec.nodes, lengths)
+        lattice, values, found = fit.fit(model, spec.nodes, lengths)
         codes = np.stack([values, *(found[name][0] for name in lengths)]).astype(np.uint8)
         steps = tuple(found[name][1] for name in lengths)
         lesson = fit.learn(model)
         return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
 
 
-def _lengths(channels: tuple[str, ...]) -> tuple[str, ...]:
+def _lengths(channels: Channels) -> tuple[str, ...]:
     return tuple(name for name in LENGTHS if name in channels)
 
 

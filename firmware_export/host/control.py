@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.host.library import call
-from firmware_export.host.reader import stem_of
+from firmware_export.host.reader import call, stem_of
 from firmware_export.protocol import Blob
 from lutgen.errors import InputError
 from lutgen.vector import Floats

@@ -1,9 +1,18 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `array`, `policy`, `codec`, `blob`.
+In reading order: `policy`, `codec`, `blob`.
 """
 
-from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
-from firmware_export.protocol.codec import Codec, Export, Tables
+from firmware_export.protocol.codec import (
+    ANY,
+    Aim,
+    CArray,
+    CBody,
+    Channels,
+    Codec,
+    Export,
+    Tables,
+    literal,
+)
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy

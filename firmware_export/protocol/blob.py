@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.protocol.array import CArray, CBody
-from firmware_export.protocol.codec import Export
+from firmware_export.protocol.codec import CArray, Export
 from firmware_export.truth import Model, slack
 
 VERSION = 3
@@ -69,10 +68,9 @@ def _repeats(model: Model, index: int) -> bool:
     return bool(np.abs(here - there).max() <= ALIKE * np.abs(here).max())
 
 
-def describe(export: Export, body: CBody | None = None) -> Blob:
-    """Return the blob of an export; `body` takes the place of what its tables hold."""
-    body = body or export.body
-    model, guard = export.model, float(export.tables.guard)
+def describe(export: Export) -> Blob:
+    """Return the blob of an export."""
+    body, model, guard = export.body, export.model, float(export.tables.guard)
     channels = sum(CHANNEL_BITS[channel] for channel in export.channels)
     limit = min(65535, math.ceil(model.chart_limit * 4096.0 * (1.0 + HAIR)) + 1)
     head = [VERSION, body.codec, model.k, channels, model.faces, body.contacts, 0, 0]

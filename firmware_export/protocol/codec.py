@@ -1,16 +1,112 @@
-"""Say what a codec is, and what an export of it is: others ask only this."""
+"""Say what a codec is, what it hands over, and what an export of it is: others ask only this."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
-from firmware_export.protocol.array import CBody
+import numpy as np
+from numpy.typing import ArrayLike
+
 from firmware_export.protocol.policy import Policy
 from firmware_export.truth import Cells, Model
+from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class CArray:
+    """Numbers of one type, such as ``uint8_t`` or ``float``, that stand in the blob in C order.
+
+    `comment` says in one line what they are, their axes and their unit; `table` whether they are
+    the robot's own, and no part of the descriptor.
+    """
+
+    name: str
+    ctype: str
+    values: ArrayLike
+    comment: str = ""
+    table: bool = True
+
+    def __post_init__(self) -> None:
+        found = np.asarray(self.values)
+        held = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        if not (np.isfinite(found).all() and (self.ctype == "float" or (held == found).all())):
+            raise InputError(
+                f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
+                "quantise them first."
+            )
+        object.__setattr__(self, "values", held)
+
+    @property
+    def packed(self) -> bytes:
+        """The values as they stand in flash, little-endian."""
+        held = np.asarray(self.values)
+        return held.astype(held.dtype.newbyteorder("<")).tobytes()
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of flash."""
+        return int(np.asarray(self.values).nbytes)
+
+
+@dataclass(frozen=True)
+class CBody:
+    """A codec's part of a blob, and what reads it.
+
+    `codec` is its number in runtime/smap_map.h, and `contacts` is the number that the runtime asks
+    for.  `arrays` follow each other in the order in which the runtime's file for the codec
+    describes them, `macros` say how many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
+    `pose` are the words of 32 bits of a pose beside the map's address, with both forms and with
+    integers alone; `swept` those for a box of postures, as on-board control makes it.  `step` is
+    the length of a step of the integer form, `lengths` those of ``"sdg"`` and ``"height"`` where
+    they differ; the integer form may read a sine too high by `rounded` 1/32767.
+    """
+
+    codec: int
+    arrays: tuple[CArray, ...]
+    contacts: int = 3
+    macros: tuple[tuple[str, int], ...] = ()
+    pose: tuple[int, int] = (1, 1)
+    step: float = 1.0
+    rounded: int = 3
+    lengths: tuple[tuple[str, float], ...] | None = None
+    swept: int = 1
+
+    @property
+    def steps(self) -> dict[str, float]:
+        """Value of one step of the integer readings."""
+        if self.lengths is None:
+            return {"sdg": self.step, "height": self.step}
+        return dict(self.lengths)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of flash of all tables."""
+        return sum(array.bytes for array in self.arrays if array.table)
+
+
+def literal(value: float) -> str:
+    """Return a float constant as C writes it, such as ``0.1f``."""
+    # NumPy prints the shortest decimal that reads back as the same single.
+    return f"{np.float32(value)!s}f"
+
+
+# The names of channels, in the order of `quantities.EXPORTABLE`.
+Channels = tuple[str, ...]
+
+
+class Aim(NamedTuple):
+    """Most bytes of tables, and greatest error of |SD_g| in percent of its range; None: any."""
+
+    bytes: int | None = None
+    percent: float | None = None
+
+
+# Any size and any error.
+ANY = Aim()
 
 
 class Tables(ABC):
@@ -27,9 +123,9 @@ class Tables(ABC):
     tested = False
 
     @property
-    @abstractmethod
     def bytes(self) -> int:
         """Bytes of all tables of numbers."""
+        return self.body(False).bytes
 
     @abstractmethod
     def body(self, integer: bool) -> CBody:
@@ -52,44 +148,33 @@ class Codec(ABC):
     """A way to hold a robot.
 
     Two codecs may share a `name`, by which people call them: then at most one of them holds a given
-    robot.  `families` are those of the runtime for each arithmetic, `spec` is the class of sizes.
+    robot.  `families` are those of the runtime for each arithmetic.
     """
 
     name: str
     families: ClassVar[Mapping[str, str]]
-    spec: ClassVar[Any]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot hold this robot, in one sentence, or None."""
 
     @abstractmethod
-    def sizes(
-        self,
-        model: Model,
-        channels: tuple[str, ...],
-        most: int | None = None,
-        percent: float | None = None,
-    ) -> list[Any]:
+    def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Any]:
         """Return the sizes worth trying, the smallest and least accurate first.
 
-        A codec that takes minutes for one returns that for `most` bytes of tables, or the
-        smallest for an error of |SD_g| of so many `percent`.
+        A codec that takes minutes for one returns the largest for the bytes that are aimed at, or
+        the smallest for the error.
         """
 
     @abstractmethod
-    def encode(self, model: Model, channels: tuple[str, ...], spec: Any) -> Any:
+    def encode(self, model: Model, channels: Channels, spec: Any) -> Any:
         """Return tables, fitted and quantised: the same for the same arguments."""
-
-    def read_label(self, label: str) -> Any:
-        """Return the size with a label."""
-        return self.spec.of_label(label)
 
     def export(
         self,
         model: Model,
         name: str,
-        channels: tuple[str, ...],
+        channels: Channels,
         arithmetic: str = "float",
         spec: Any = None,
     ) -> "Export":
@@ -118,7 +203,7 @@ class Export:
     model: Model
     codec: str
     arithmetic: str
-    channels: tuple[str, ...]
+    channels: Channels
     tables: Any
     certificate: dict[str, Any] | None = None
     pareto: list[dict[str, Any]] | None = None

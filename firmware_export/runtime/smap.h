@@ -79,7 +79,7 @@ typedef enum {
   SMAP_INVALID = 6    /* NaN, infinity, no gravity, no pose, too little memory for one */
 } smap_status_t;
 
-/* Whether the robot stands or rocks, and so does not tip over. */
+/* Returns whether the robot stands or rocks, and so does not tip over. */
 static inline int smap_is_safe(smap_status_t status)
 {
   return status <= SMAP_ROCKS;
@@ -87,7 +87,7 @@ static inline int smap_is_safe(smap_status_t status)
 
 enum { SMAP_FLOAT = 1, SMAP_INTEGER = 2 }; /* forms of a pose: what may be asked of it */
 
-/* What every pose begins with: the first member of NAME_pose_t and NAME_pose_i_t. */
+/* The head of every pose: the first member of NAME_pose_t and NAME_pose_i_t. */
 typedef struct {
   const smap_t *map; /* 0: never made, reads unsafe */
   int8_t status;     /* of making it; what reads answer unless it is SMAP_OK */

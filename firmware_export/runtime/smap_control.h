@@ -40,7 +40,7 @@
 
 typedef struct smap_control smap_control_t; /* a map and its policy: constant, in flash */
 
-/* What a cycle is told, all of one moment. */
+/* The inputs of a cycle, all of one moment. */
 typedef struct {
   const float *posture; /* joints as measured */
   const float *desired; /* joints that the driver asks for; 0: what the policy says, wherever that is */
@@ -58,7 +58,7 @@ typedef enum {
   SMAP_BLIND = 4    /* nothing is known (NaN, damaged map, implausible sensor): the last command is kept */
 } smap_move_t;
 
-/* What a cycle says beside its command. */
+/* The outputs of a cycle beside its command. */
 typedef struct {
   float slope[3]; /* gravity in the ground's frame, unit, as it is now; zeros where nothing is known */
   float tip;      /* tip angle of the posture, the lesser of now and of gravity turned ahead, rad; of directions
@@ -154,7 +154,7 @@ static inline uint8_t smap_alarm(const smap_control_t *control, void *state, flo
   return control->run->alarm(control, state, tip, rate);
 }
 
-/* Whether a sample is plausible: SMAP_OK or SMAP_INVALID.  Finite; `up` of a plausible length, turning no
+/* Returns SMAP_OK if a sample is plausible, else SMAP_INVALID.  Finite; `up` of a plausible length, turning no
  * further than the gyroscope says and accelerations can explain, not stuck while the robot turns. */
 static inline smap_status_t smap_sane(const smap_control_t *control, void *state,
                                       const smap_sample_t *sample)

@@ -160,7 +160,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   }
 }
 
-/* What the pose of a box says of it under a direction. */
+/* Reads the pose of a box under a direction. */
 static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swept, const float g[3],
                           smap_way_t *way)
 {
@@ -186,7 +186,7 @@ enum { SMAP_MOST_JOINTS = SMAP_MAX_PARAMS };
 
 #include "smap_watch.h"
 
-/* Whether the pose that is there will do: a posture that is near needs none (SMAP_STAYS), nor one that is to wait
+/* Tells whether the pose that is there will do: a posture that is near needs none (SMAP_STAYS), nor one that is to wait
  * for its turn, since a cycle makes one pose.  One that is near does not turn the body either. */
 static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
@@ -203,7 +203,7 @@ static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *
                                                                                                      : SMAP_UNSEEN;
 }
 
-/* Whether two postures are in the box whose pose is there. */
+/* Tells whether two postures are in the box whose pose is there. */
 static int smap_is_swept(const smap_control_t *control, const smap_state_memory_t *state, const float *posture,
                          const float *to)
 {
@@ -249,7 +249,7 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
 
 #define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of an arc as near meets it */
 
-/* How much of `to` can be taken off a direction f that stands until it meets the boundary, guard included; both unit. */
+/* Finds how much of `to` can be taken off a direction f that stands until it meets the boundary; both unit. */
 static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const float to[3])
 {
   const smap_pose_memory_t *const many = (const smap_pose_memory_t *)pose;
@@ -276,7 +276,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
   return least;
 }
 
-/* Whether a pose stands when so much of `to` is taken off a direction. */
+/* Tells whether a pose stands when so much of `to` is taken off a direction. */
 static int smap_stands_at(const smap_pose_t *pose, const float f[3], const float to[3], float t)
 {
   const float at[3] = {f[0] - t * to[0], f[1] - t * to[1], f[2] - t * to[2]};

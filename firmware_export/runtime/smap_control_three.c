@@ -52,7 +52,7 @@ static void smap_pass(const smap_control_t *control, const float *from, const fl
   way->least -= 0.125f * bow;
 }
 
-/* Whether three points' policy can be used: that many corners are looked at. */
+/* Most joints of a policy on three points: that many corners are looked at. */
 enum { SMAP_MOST_JOINTS = 4 };
 
 #include "smap_watch.h"

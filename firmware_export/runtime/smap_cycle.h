@@ -29,7 +29,7 @@ static int8_t smap_run_transit(const smap_control_t *control, void *memory, cons
 
 /* ---- control: a cycle -------------------------------------------------------------------------------------- */
 #define SMAP_SHORTEST 0.0625f /* of a step: no shorter one is tried */
-/* What a step becomes after one that was held, and after one that was gone: a box that is little larger than
+/* Factors of the next step after one that was refused, and after one that was gone: a box a little larger than
  * what was certified is most often certified too, one that is twice as large is not. */
 #define SMAP_SHORTER 0.6f
 #define SMAP_LONGER 1.15f
@@ -45,7 +45,7 @@ static void smap_keep_command(const smap_control_t *control, const smap_state_me
   }
 }
 
-/* What is said where nothing is known. */
+/* Writes the answer of a cycle that knows nothing. */
 static int8_t smap_blind(smap_state_memory_t *state, int8_t status, smap_cycle_t *cycle)
 {
   cycle->slope[0] = cycle->slope[1] = cycle->slope[2] = 0.0f;
@@ -58,7 +58,7 @@ static int8_t smap_blind(smap_state_memory_t *state, int8_t status, smap_cycle_t
   return status;
 }
 
-/* Whether a way may be gone: it keeps the margin, or is no worse than staying, or stands all along and ends no
+/* Tells whether a way may be gone: it keeps the margin, or is no worse than staying, or stands all along and ends no
  * nearer to tipping than it began; where staying tips, also one that ends further from it. */
 static uint8_t smap_judge_way(const smap_control_t *control, const smap_way_t *way, float stay)
 {
@@ -70,7 +70,7 @@ static uint8_t smap_judge_way(const smap_control_t *control, const smap_way_t *w
   return !(stay >= 0.0f) && way->end > stay ? SMAP_ESCAPES : SMAP_HELD;
 }
 
-/* Which joints move next: after a step that was held one that is not where it should be, all of them after the
+/* Chooses the joints that move next: after a step that was refused one that is not where it should be, all after the
  * last; none alone that has arrived.  1 where all have had their turn. */
 static int smap_take_turns(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
                            const float *target, int held)

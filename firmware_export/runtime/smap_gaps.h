@@ -5,7 +5,7 @@
 #define SMAP_SPARE 1e-4f     /* of the way, by which a limit is on the safe side */
 #define SMAP_STEP_IN 1.1f    /* times what brings the side of a gap in */
 #define SMAP_SLIT 1e-5f      /* of the size: between edges that are nearer there is nothing */
-#define SMAP_LEANS 1e-6f     /* of the size: the ends of a gap are as far inside its sides, and no place is inside by less */
+#define SMAP_LEANS 1e-6f     /* of the size: ends of a gap, and all that is inside, are so far inside its sides */
 
 /* How far inside the side of a gap at w, a wall through the com, a place is: a - b on one rest, c - d on the other. */
 static float smap_within(const float *const corner[4], float w, const float place[3])
@@ -18,8 +18,8 @@ static float smap_within(const float *const corner[4], float w, const float plac
   return smap_unit(n) ? smap_dot(n, place) : SMAP_LARGEST;
 }
 
-/* Bring one side of a gap in, by the rule of Illinois, until the half-way place of its curve is not inside; 0 where that
- * does not happen.  The curve is that of one balance on the way over the arc. */
+/* Bring one side of a gap in, by the rule of Illinois, until the half-way place of its curve is not inside; 0 where
+ * that does not happen.  The curve is that of one balance on the way over the arc. */
 static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t side, float least, float span[2])
 {
   const float sign = side ? -1.0f : 1.0f, other = span[1 - side];

@@ -4,9 +4,9 @@
  * The body: 0 chart limit u32, times 8193; 4 codes of a table u32; 8 tables u8; 9 blocks of a table u8; 10 left
  * is as right u8; 11 0; 12 the block of each face 6 u8, 255: the robot tips; 18 0 u16; 20 where the codes are
  * u32.  From 24 per parameter: the place of step 0 u16, places for a step u16, times 2^14, the parameter that
- * it is in the mirror image u8, whether that is turned over u8 (1; 2: and it comes round).  Per axis (parameters, v, u) nodes u8, knots u8,
- * one more where it comes round; the knots u16, places 0 to 65535; per table a code u8 for each node of each
- * block, u fastest.  Code 100 is a tip angle of 0, a step 1/300 of a sine; of lengths code 0 is 0. */
+ * it is in the mirror image u8, whether that is turned over u8 (1; 2: and it comes round).  Per axis
+ * (parameters, v, u) nodes u8, knots u8, one more where it comes round; the knots u16, places 0 to 65535; per
+ * table a code u8 for each node of each block, u fastest.  Code 100 is a tip angle of 0, a step 1/300 of a sine; of lengths code 0 is 0. */
 #define SMAP_CODEC SMAP_CODEC_GRID
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
@@ -205,8 +205,8 @@ static int smap_check_own(const smap_t *map, smap_bytes_t limit)
   const uint32_t room = (uint32_t)(limit - body);
   uint32_t at = SMAP_GRID_HEAD + (uint32_t)SMAP_GRID_PLACE * params, nodes, i, k;
   uint32_t knots = at + 2u * params + 4u;
-  if (params > 13 || room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[9] - 1u > 5u || body[10] > 1 ||
-      smap_u32(body) >= (uint32_t)1 << 17) {
+  if (params > 13 || room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[9] - 1u > 5u ||
+      body[10] > 1 || smap_u32(body) >= (uint32_t)1 << 17) {
     return 0;
   }
   nodes = body[9];

@@ -31,7 +31,7 @@
 
 #include SMAP_FILE_OF(SMAP_FAMILY)
 
-/* Whether a row of bytes is the one before it; the WebAssembly has no library. */
+/* Tells whether a row of bytes is the one before it; the WebAssembly has no library. */
 static int smap_host_again(const void *row, uint32_t bytes)
 {
   const uint8_t *const here = (const uint8_t *)row;
@@ -116,7 +116,7 @@ int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size)
   return (int8_t)smap_check(&map);
 }
 
-/* What this was built from: the digest of the files beside it. */
+/* Returns the digest of the files from which this was built. */
 const char *SMAP_HOST_NAME(sources)(void)
 {
   return SMAP_SOURCES;

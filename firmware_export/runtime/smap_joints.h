@@ -15,7 +15,8 @@
  *   terms of each coordinate u8; entry of each term u8
  *
  * With SMAP_BY_SERIES they are something else, see below.
- * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
+ * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each
+ * angle, the travels, the products.
  * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
 enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };

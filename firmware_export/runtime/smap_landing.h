@@ -81,7 +81,8 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
     in[k] = smap_dot(w->region->wall[e], l->g[k]) - size * l->doubt;
     spare[k] = size * in[k] - (above + sunk > 0.0f ? above + sunk : 0.0f);
     y[k] = 2.0f * above + sunk;
-    y[k] = y[k] > 0.01f * uu * l->doubt ? y[k] : 0.01f * uu * l->doubt; /* below the edge as soon as it is inside it stays */
+    /* Below the edge, as soon as it is inside, it stays. */
+    y[k] = y[k] > 0.01f * uu * l->doubt ? y[k] : 0.01f * uu * l->doubt;
   }
   if (spare[0] >= 0.0f && spare[1] >= 0.0f) { /* as c = 1 says already */
     return 1;

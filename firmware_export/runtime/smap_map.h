@@ -130,7 +130,7 @@ static uint32_t smap_crc(smap_bytes_t bytes, uint32_t count)
   return ~crc;
 }
 
-/* What all maps have. */
+/* Checks the head that all maps have. */
 static int smap_check_head(const smap_t *map)
 {
   const smap_bytes_t blob = SMAP_BLOB(map);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- poses of many contacts: memory, and the functions behind smap.h ----------------------------------
- * What the map adds to positions: eleven singles (the level axis of all discs, size, steepest, least height, rest
+ * The map adds to positions: eleven singles (the level axis of all discs, size, steepest, least height, rest
  * width, tolerance, rock chord, guard, off, turned: see smap_limits_t), tracks u8, the first contact of each track and
  * behind the last u8, the recipe's number of each contact u8, the room of a pose u8[5].  Without tracks the byte behind
  * the last tells how many axles swing: see smap_swing.h. */
@@ -73,7 +73,7 @@ SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap
   return SMAP_OK;
 }
 
-/* Whether the axis of all discs is not y; of its own map a compiler knows it. */
+/* Tells whether the axis of all discs is not y; a compiler knows that of its own map. */
 SMAP_INLINE int smap_is_turned(const smap_t *map)
 {
   return SMAP_TRACKS > 1 && smap_f32(smap_body(map) + SMAP_IN_MANY + 4) != 1.0f;

@@ -140,8 +140,8 @@ static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c
   }
 }
 
-/* Add the facet of the tracks list[0..last], if it is a rest.  `side` is its edge on the last track between the disc that
- * was there and the one that is now, and was that on the first track of the facet before it. */
+/* Add the facet of the tracks list[0..last], if it is a rest.  `side` is its edge on the last track between the disc
+ * that was there and the one that is now, and was that on the first track of the facet before it. */
 static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint8_t last, const float plane[3],
                        uint8_t *side)
 {

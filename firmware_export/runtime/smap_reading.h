@@ -36,7 +36,7 @@ static float smap_inside(const smap_layout_t *at, const smap_region_t *o, uint8_
   return least;
 }
 
-/* Whether a direction that is in no rest is in a gap. */
+/* Tells whether a direction that is in no rest is in a gap. */
 static int smap_is_in_gap(const smap_layout_t *at, const smap_region_t *o, const float g[3])
 {
   uint8_t k;
@@ -130,7 +130,8 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
     const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;
     status = tips ? SMAP_TIPS : tip >= guard ? SMAP_OK : SMAP_ROCKS;
     /* A direction that tips is measured to the island that it pierces.  A gap may belong to another island. */
-    tip = smap_nearest(at, o, g, rocks ? 0 : at->from[best], rocks ? at->arcs : at->till[best], tips ? -1.0f : 1.0f, &arc);
+    tip = smap_nearest(at, o, g, rocks ? 0 : at->from[best], rocks ? at->arcs : at->till[best],
+                       tips ? -1.0f : 1.0f, &arc);
     tip = tips ? -tip : tip;
   }
   if (status == SMAP_TIPS || !(tip >= guard)) {

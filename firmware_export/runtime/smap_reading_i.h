@@ -129,7 +129,8 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o,
   for (k = ends[0]; k < ends[1]; k++) {
     const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
     uint32_t square = (uint32_t)away * (uint32_t)away, beyond;
-    if (((tips ? away : -away) > SMAP_BEHIND_I && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) || square >= least) {
+    if (((tips ? away : -away) > SMAP_BEHIND_I && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) ||
+        square >= least) {
       continue;
     }
     beyond = (uint32_t)smap_beyond_i(o, &at->arc[k], g, doubt);

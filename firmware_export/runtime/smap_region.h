@@ -16,7 +16,7 @@
 #define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
 #define SMAP_OVERLAP 2u   /* where rests may, as those on which axles swing */
 
-/* What a map says of its robot beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
+/* The robot's numbers beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
  * which a roll ends elsewhere, also for each rad that it turns. */
 typedef struct {
   smap_bytes_t first, named, room; /* of each track its first contact; of each contact the recipe's number; see below */
@@ -29,14 +29,14 @@ typedef struct {
 enum { SMAP_OF_RESTS, SMAP_OF_CORNERS, SMAP_OF_GAPS, SMAP_OF_ARCS, SMAP_OF_FACETS, SMAP_ROOMS };
 
 typedef struct {
-  uint8_t a, b, side, place; /* walls of its edges, which it is behind, the first of two sides; the first of its places */
+  uint8_t a, b, side, place; /* walls of its edges; the first of two sides, and of its places */
 } smap_gap_t;
 
 typedef struct {
   uint8_t wall, from, to, over[2]; /* its wall and its places; the recipe's numbers of the contacts at its ends */
 } smap_arc_t;
 
-/* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
+/* The head of both forms of a pose.  Arcs are in the order of islands: `from` and `till` are those of the island
  * that a rest belongs to, and `own` is the first of its own if all of its edges are boundary, else SMAP_NONE. */
 typedef struct {
   uint8_t rests, gaps, arcs, places, nearly; /* nearly: there are rests whose planes are all but one, or SMAP_OVERLAP */
@@ -54,13 +54,13 @@ typedef struct {
   float place[SMAP_PLACES][3];
 } smap_region_t;
 
-/* What is only needed while a pose is made. */
+/* Memory that is only needed while a pose is made. */
 typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
   float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
-  uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls; how many there are */
+  uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls */
   float normal[SMAP_MAX_RESTS][3];
   uint8_t upto[SMAP_MAX_CORNERS], onward[SMAP_MAX_CORNERS]; /* an edge is boundary up to one place, and from one on */
   uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
@@ -76,7 +76,7 @@ typedef struct {
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
 
-/* Whether there are as many of something as a pose has room for. */
+/* Tells whether there are as many of something as a pose has room for. */
 #define SMAP_IS_FULL(w, what, count, most) ((count) >= SMAP_ROOM((w)->map->room[what], most))
 
 SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
@@ -120,7 +120,8 @@ SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
 #include "smap_polygon.h"
 
 /* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
- * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole polygon. */
+ * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole
+ * polygon. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
                              const float *extent, int swung)
 {
@@ -129,7 +130,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 ||
+      SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
       SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }

@@ -86,8 +86,8 @@ static int smap_settle(const smap_work_t *w, uint8_t i, uint8_t j, uint8_t k, co
   return 0;
 }
 
-/* The contact that a plane with normal n comes to first if none moves, on i and turned towards t, but for those that are
- * marked, and the cotangent of the angle. */
+/* The contact that a plane with normal n comes to first if none moves, on i and turned towards t, but for those that
+ * are marked, and the cotangent of the angle. */
 static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3],
                           const uint8_t *skip, float *cotangent)
 {
@@ -116,9 +116,9 @@ static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const fl
   return to;
 }
 
-/* Whether nothing is ahead of a plane with normal n on i and j that it may touch before it faces up; 0 where a turn by a
- * right angle and a little more does not do that.  A round contact goes on as those do on which it rolls, but for its own
- * radius and what is between theirs. */
+/* Tells whether nothing is ahead of a plane with normal n on i and j that it may touch before it faces up; 0 where a
+ * turn by a right angle and a little more does not do that.  A round contact goes on as those do on which it rolls,
+ * but for its own radius and what is between theirs. */
 static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3])
 {
   const float *const r = s->w->r;
@@ -138,8 +138,8 @@ static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const floa
   return 1;
 }
 
-/* Turn the plane n towards t by a step, on i and j, which move as it turns: `start` is what comes of it.  0 where it faces up
- * too far, or none is found. */
+/* Turn the plane n towards t by a step, on i and j, which move as it turns: `start` is what comes of it.  0 where it
+ * faces up too far, or none is found. */
 static int smap_turn_on(const smap_work_t *w, uint8_t i, uint8_t j, const float n[3], const float t[3], float limit,
                      float start[3])
 {

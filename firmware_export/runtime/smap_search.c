@@ -53,7 +53,7 @@ static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float 
   smap_touch_by(w, i, smap_is_disc(w, i) ? reach : n, out);
 }
 
-/* Whether a contact is a wheel that lies on its face: nobody stands on that. */
+/* Tells whether a contact is a wheel that lies on its face, on which no robot stands. */
 static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
 {
   const float steepest = w->map->steepest > SMAP_FLATTEST ? w->map->steepest : SMAP_FLATTEST;
@@ -69,8 +69,8 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
 #include "smap_roll.h"
 #include "smap_swing.h"
 
-/* Facets are found by rolling a plane over the edges of those that are known.  A facet that is not found makes the region
- * smaller and never larger. */
+/* Facets are found by rolling a plane over the edges of those that are known.  A facet that is not found makes the
+ * region smaller and never larger. */
 #define SMAP_SLIVER 4e-5f   /* rad: less steep, what a contact adds that all but touches is part of the facet */
 #define SMAP_BESIDE 2e-3f   /* of the size: as far inside a side a contact may bear before one of its ends does, */
 #define SMAP_HARDLY 1e-5f   /* and less than this does not matter, */
@@ -84,7 +84,8 @@ static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float 
   const float size = s->w->map->size;
   uint8_t k, kept = 0;
   for (k = 0; k < count; k++) {
-    const uint8_t last = kept > 0 ? (uint8_t)(kept - 1u) : (uint8_t)(count - 1u), next = k + 1u < count ? (uint8_t)(k + 1u) : (uint8_t)0;
+    const uint8_t last = kept > 0 ? (uint8_t)(kept - 1u) : (uint8_t)(count - 1u);
+    const uint8_t next = k + 1u < count ? (uint8_t)(k + 1u) : (uint8_t)0;
     float along[3], d[3], in[3], size2, part, width, under;
     smap_minus(p[next], p[last], along);
     smap_minus(p[k], p[last], d);
@@ -104,8 +105,8 @@ static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float 
 }
 
 /* Make corners of all of those behind the first `count` that lie just inside a side, and return how many corners there
- * are then: while a wheel rolls it rises less than a ball, and of what is alike rounding decides which touches, so that the
- * robot may never stand on the whole side, but on one part of it and then on the other. */
+ * are then: while a wheel rolls it rises less than a ball, and of what is alike rounding decides which touches, so
+ * that the robot may never stand on the whole side, but on one part of it and then on the other. */
 static uint8_t smap_indent(const smap_search_t *s, const float n[3], float (*p)[3], uint8_t *id, uint8_t count,
                            uint8_t all)
 {
@@ -219,8 +220,8 @@ static uint8_t smap_edge_of(const smap_facet_t *f, uint8_t i, uint8_t j)
   return SMAP_NONE;
 }
 
-/* Find a first facet: lower a level plane, tilt it towards the middle of all contacts onto a second one, and over both to
- * one side or the other. */
+/* Find a first facet: lower a level plane, tilt it towards the middle of all contacts onto a second one, and over both
+ * to one side or the other. */
 static void smap_begin_search(smap_search_t *s)
 {
   const uint8_t contacts = SMAP_CONTACTS(s->w);

@@ -24,7 +24,7 @@ enum {
   SMAP_POLICY_SWERVE = 44,
   SMAP_POLICY_JOINTS = 48,
   SMAP_POLICY_JOINT = 32, /* bytes of a parameter's singles */
-  /* Of a parameter: value of code 0, of a step of codes; change in a cycle; range around what is desired;
+  /* A parameter: value of code 0, of a step of codes; change in a cycle; range around what is desired;
    * change that needs no new pose; and what one unit of it alters at most: of many contacts how far (length) it
    * moves those that are its own beyond others, of a grid the tip angle; how far it moves the others, of three
    * points the tip angle's second derivative; how far it turns the body. */
@@ -50,7 +50,7 @@ extern const SMAP_FLASH uint8_t SMAP_OWN_POLICY[SMAP_OWN_POLICY_BYTES];
 #define SMAP_MOST_BUDGET 50.0f /* m/s^2: no robot accelerates more */
 enum { SMAP_ALL = 255 };
 
-/* Which of a state's poses are made, and whether there was a sample before. */
+/* Flags of a state: the poses that are made, and whether there was a sample before. */
 enum { SMAP_HAS_HERE = 1, SMAP_HAS_SWEPT = 2, SMAP_HAS_SAMPLE = 4, SMAP_HAS_COMMAND = 8, SMAP_HAS_NORMAL = 16 };
 
 /* A state.  `here` is the pose of the posture `at`; `swept` holds for all within `half` of `mid`.  `normal`: of the
@@ -66,7 +66,7 @@ typedef struct {
   smap_swept_t swept;
 } smap_state_memory_t;
 
-/* What is known of a way: its certified least tip angle, and the tip angle at its end (of many contacts, half
+/* The numbers of a way: its certified least tip angle, and the tip angle at its end (of many contacts, half
  * way), rad. */
 typedef struct {
   float least, end;

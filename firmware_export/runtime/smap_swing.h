@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- swing: rests on which an axle stands that swings about a pivot ----------------------------------- */
-/* The first two contacts are those of the first axle, and so on.  Behind the contacts stand two points of each: the pivot,
- * whose axis is the line about which it swings, and the axle's com, whose radius is its share of the mass.  The axle
- * carries the rest of the robot where its line meets the plane through both of its contacts across the ground.  So the
- * polygon of a facet's contacts is cut where the rest would turn over a line from there to a contact, and the axle over
- * one of its own.  Where rounding may tell, less stands. */
+/* The first two contacts are those of the first axle, and so on.  Behind the contacts stand two points of each: the
+ * pivot, whose axis is the line about which it swings, and the axle's com, whose radius is its share of the mass.  The
+ * axle carries the rest of the robot where its line meets the plane through both of its contacts across the
+ * ground.  So the polygon of a facet's contacts is cut where the rest would turn over a line from there to a contact,
+ * and the axle over one of its own.  Where rounding may tell, less stands. */
 #define SMAP_UNSURE 5e-6f  /* of the size: what is as near to the tolerance may be within it, or not */
 #define SMAP_DEPTH 0.05f   /* of the height of the rest's com: a pivot counts as at least as far below it */
 #define SMAP_ALONG 0.1001f /* least sine between an axle's line and the plane across it */
 #define SMAP_UPON 1e-3f    /* of the size: with a pivot as near to a contact nothing stands, */
 #define SMAP_LEVEL 1e-4f   /* sine: nor with one as level with both, and beside them */
-#define SMAP_PULLED 20.0f  /* so many times as far from the pivot the axle's com counts at most where the rest pulls it up */
+#define SMAP_PULLED 20.0f  /* where the rest pulls the axle's com up it counts at most so many times as far off */
 #define SMAP_SWUNG (2 * SMAP_MAX_CONTACTS + 4)
 
 /* A polygon: its corners, the walls through the com and the edge from each to the next, and contacts near them. */
@@ -23,8 +23,8 @@ typedef struct {
   uint8_t count;
 } smap_swung_t;
 
-/* An axle: the first of its contacts, and where they touch; where it carries; its line; its com, and where that counts when
- * it is pulled up; the com of the rest, with what pulls; the shares of both. */
+/* An axle: the first of its contacts, and where they touch; where it carries; its line; its com, and where that counts
+ * when it is pulled up; the com of the rest, with what pulls; the shares of both. */
 typedef struct {
   uint8_t own;
   const float *line;
@@ -87,7 +87,8 @@ static void smap_cut(smap_swung_t *o, const float wall[3])
   }
 }
 
-/* Cut it along the sides of the outline of the pivot and other contacts from `level` on, as the com of the rest sees them. */
+/* Cut it along the sides of the outline of the pivot and other contacts from `level` on, as the com of the rest sees
+ * them. */
 static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3], const smap_axle_t *axle,
                           const float *extent, float level)
 {
@@ -119,7 +120,7 @@ static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3
     const uint8_t i = id[k], j = id[k + 1 < count ? k + 1 : 0];
     smap_cross(arm[j], arm[i], wall);
     smap_cut(o, wall);
-    if (axle->mass > 0.0f && (i == last || j == last)) { /* the hinge lets its weight turn the rest, but about the line */
+    if (axle->mass > 0.0f && (i == last || j == last)) { /* its weight turns the rest but about the line */
       float along;
       smap_minus(arm[i], arm[j], side);
       along = smap_dot(side, axle->line);
@@ -159,8 +160,8 @@ static void smap_cut_axle(smap_swung_t *o, const float n[3], float size, const s
   }
 }
 
-/* Add the rest on a plane so high that touches an axle, if it is one; 0 where it touches none.  `extent`: of each contact
- * along n. */
+/* Add the rest on a plane so high that touches an axle, if it is one; 0 where it touches none.  `extent`: of each
+ * contact along n. */
 SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float height, const float *extent)
 {
   const smap_limits_t *const m = w->map;

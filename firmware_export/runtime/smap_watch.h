@@ -102,7 +102,7 @@ static float smap_rate_of(const float rate[3])
   return smap_root(smap_dot(rate, rate));
 }
 
-/* What a sample is against the one before it; remembers it. */
+/* Judges a sample against the one before it; remembers it. */
 static int8_t smap_run_sane(const smap_control_t *control, void *memory, const smap_sample_t *sample)
 {
   smap_state_memory_t *const state = (smap_state_memory_t *)memory;

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import measure_recipe, wanted_channels
-from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
+from lutgen.chart import unit_directions
 from lutgen.parts import Parameter
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
@@ -76,14 +76,11 @@ class Model:
 
     def uv_to_gravity(self, face: ArrayLike, u: ArrayLike, v: ArrayLike) -> Floats:
         """Return the directions (..., 3), not normalised, of places on the chart's faces."""
-        faces, us, vs = np.broadcast_arrays(np.asarray(face, np.intp), u, v)
-        result = np.zeros((*faces.shape, 3))
-        for number in range(6):
-            here = faces == number
-            result[here, FACE_NORMAL[number]] = FACE_SIGN[number]
-            result[here, FACE_U[number]] = us[here]
-            result[here, FACE_V[number]] = vs[here]
-        return result
+        frames = self.recipe.chart.basis()[np.asarray(face, np.intp)]
+        middle, across, up = np.moveaxis(frames, -2, 0)
+        return np.asarray(
+            middle + np.asarray(u)[..., None] * across + np.asarray(v)[..., None] * up
+        )
 
     def tip_angle(self, where: Postures, gravity: ArrayLike) -> Floats:
         """Return the tip angles (m, d), rad, of m postures under directions (m, d, 3), down."""
@@ -91,14 +88,11 @@ class Model:
         rows = measure_recipe(self.recipe, where, unit_directions(gravity), wanted)
         return rows[CHANNELS.index("tip_angle")]
 
-    def exact(self, params: ArrayLike, gravity: ArrayLike, tighter: float = 0.0) -> Exact:
-        """Measure m postures (m, k), rad or length, under d directions each (m, d, 3), down.
-
-        `upright` and `rock_angle` are tightened by `tighter` (rad).
-        """
+    def exact(self, params: ArrayLike, gravity: ArrayLike) -> Exact:
+        """Measure m postures (m, k), rad or length, under d directions each (m, d, 3), down."""
         names = ("sdg", "height", "tip_angle")
         where, directions = self.postures(params), unit_directions(gravity)
-        values = measure_recipe(self.recipe, where, directions, wanted_channels(names), tighter)
+        values = measure_recipe(self.recipe, where, directions, wanted_channels(names))
         return Exact(*(values[CHANNELS.index(name)] for name in names))
 
 

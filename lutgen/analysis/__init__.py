@@ -1,27 +1,26 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
-`ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `stopping`, `balance`, `uneven`, `footing`, `weighing`, `weighed_recipe`.
+`ground_seat`, `ground_tilt`, `resistance`, `friction`, `metrics`, `tilt_table`,
+`budget`, `balance`, `uneven`, `weighing`.
 """
 
-from lutgen.analysis.budget import budgets, turn_speed
+from lutgen.analysis.budget import StopSpeeds, budgets, stop_speeds, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
-from lutgen.analysis.footing import read_footing
 from lutgen.analysis.forces import heuristic_forces, normal_forces
-from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
-from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
-from lutgen.analysis.posture import Facet, Posture, below_ground
-from lutgen.analysis.rolling import (
+from lutgen.analysis.friction import (
     hold_limits,
     holds,
     may_hold,
     roll_limits,
     rolling_gravity,
     rolls,
+    share_limits,
+    slide_limits,
 )
-from lutgen.analysis.sliding import share_limits, slide_limits
-from lutgen.analysis.stopping import StopSpeeds, stop_speeds
+from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
+from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
+from lutgen.analysis.posture import Facet, Posture, below_ground
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
@@ -33,7 +32,15 @@ from lutgen.analysis.tilt_table import (
     rounded_down,
     sweep_limits,
 )
-from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
-from lutgen.analysis.weighed_recipe import corrected, correction, correction_lines
-from lutgen.analysis.weighing import Reading, Tipping, Weighed, Weighing, weigh
-from lutgen.analysis.wheels import Motion, structure, wheel_speeds
+from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium, read_footing
+from lutgen.analysis.weighing import (
+    Reading,
+    Tipping,
+    Weighed,
+    Weighing,
+    corrected,
+    correction,
+    correction_lines,
+    weigh,
+)
+from lutgen.analysis.wheels import Motion, wheel_speeds

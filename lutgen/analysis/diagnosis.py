@@ -9,24 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen import channels as kernels
 from lutgen.analysis.forces import heuristic_forces, loads_on
 from lutgen.analysis.posture import Facet, Posture
-from lutgen.channels import (
-    MU,
-    PHI,
-    RHO,
-    arc_angle,
-    axis_angle,
-    axis_energy,
-    axis_margin,
-    checked_directions,
-    empty_axes,
-    find_axes,
-    loaded_margin,
-    loaded_verdict,
-    measure_moved,
-    segment_energy,
-)
 from lutgen.quantities import CHANNELS
 from lutgen.support import ARCS, seat_under
 from lutgen.vector import Floats, Vector, dot, read3
@@ -88,24 +73,21 @@ class Diagnosis:
 def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     """Explain one posture under one gravity direction (3,): down, body frame, any length > 0."""
     recipe, wrench = posture.recipe, posture.wrench
-    down = checked_directions(gravity_dir)
-    values = measure_moved(recipe, posture.placed, down, CHANNELS)
+    down = kernels.checked_directions(gravity_dir)
+    values = kernels.measure_moved(recipe, posture.placed, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
     stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
     standing = channels["tip_angle"] >= 0.0
-    if recipe.loaded:
-        k, tip_axes = _loaded_axes(posture, g, standing)
-    else:
-        k = seat_under(stance.region, g)
-        tip_axes = _tip_axes(posture, g, standing)
+    k, numbers = (_loaded_numbers if recipe.loaded else _numbers)(posture, g, standing)
+    tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
     angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
-    resultant = down[0] + wrench[PHI:MU]
+    resultant = down[0] + wrench[kernels.PHI : kernels.MU]
     facet, pierced, slope = None, np.full(3, np.nan), math.nan
     if k >= 0:
         facet = stance.facets[k]
-        pierced = facet.pierced(resultant, wrench[MU:RHO])
+        pierced = facet.pierced(resultant, wrench[kernels.MU : kernels.RHO])
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
@@ -128,61 +110,44 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
-    return Diagnosis(
-        posture,
-        down[0],
-        standing,
-        channels,
-        facet,
-        pierced,
-        tip_axes,
-        least,
-        exact,
-        forces_kind,
-        ranges,
-        rough,
-        slope,
-        slides,
-        resultant,
-    )
+    state = (posture, down[0], standing, channels, facet, pierced, tip_axes, least)
+    forces = (exact, forces_kind, ranges, rough)
+    return Diagnosis(*state, *forces, slope, slides, resultant)
 
 
-def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:
-    """Return the arcs of the boundary, each with its own angle, margin and energy."""
+def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
+    """Return the facet on the ground; angle, margin and energy of the arcs of the boundary."""
     region, convex = posture.stance.region, posture.stance.convex
     sign = 1.0 if standing else -1.0
-    axes = []
+    found = []
     for b in range(region.counts[ARCS]):
         start, stop, wall = (read3(region.arc[b][name]) for name in ("start", "stop", "wall"))
-        margin = axis_margin(start, stop, wall, convex, g)
+        margin = kernels.axis_margin(start, stop, wall, convex, g)
         if convex:
             angle = math.asin(min(max(dot(wall, g), -1.0), 1.0))
-            energy = axis_energy(start, stop, wall, g)
+            energy = kernels.axis_energy(start, stop, wall, g)
         else:
-            angle = sign * arc_angle(region, b, g)
-            margin, energy = sign * abs(margin), sign * segment_energy(start, stop, g)
-        axes.append(_tip_axis(posture, b, angle, margin, energy))
-    return tuple(axes)
+            angle = sign * kernels.arc_angle(region, b, g)
+            margin, energy = sign * abs(margin), sign * kernels.segment_energy(start, stop, g)
+        found.append((angle, margin, energy))
+    return seat_under(region, g), found
 
 
-def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tuple[TipAxis, ...]]:
-    """Return the facet on the ground, and the arcs of the boundary; none has an energy margin."""
+def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
+    """Return the same under a load, where none has an energy margin."""
     region, wrench = posture.stance.region, posture.wrench
-    found = empty_axes(region)
-    find_axes(region, wrench, found)
-    k, _, _ = loaded_verdict(region, found, wrench, g)
-    axes = []
+    axes, found = kernels.empty_axes(region), []
+    kernels.find_axes(region, wrench, axes)
     for b in range(region.counts[ARCS]):
-        angle = axis_angle(region, found, b, wrench, standing, g)
-        margin = loaded_margin(region, found, b, wrench, standing, g)
-        axes.append(_tip_axis(posture, b, angle, margin, math.nan))
-    return k, tuple(axes)
+        angle = kernels.axis_angle(region, axes, b, wrench, standing, g)
+        margin = kernels.loaded_margin(region, axes, b, wrench, standing, g)
+        found.append((angle, margin, math.nan))
+    return kernels.loaded_verdict(region, axes, wrench, g)[0], found
 
 
 def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: float) -> TipAxis:
     """Return arc b of the boundary with its numbers."""
     stance, names = posture.stance, posture.recipe.contact_names
     i, j = (int(stance.region.source[c]) for c in stance.region.arc[b]["contacts"])
-    return TipAxis(
-        (i, j), (names[i], names[j]), stance.start[b], stance.stop[b], angle, margin, energy
-    )
+    ends = stance.start[b], stance.stop[b]
+    return TipAxis((i, j), (names[i], names[j]), *ends, angle, margin, energy)

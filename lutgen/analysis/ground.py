@@ -13,7 +13,7 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
 from lutgen.channels import turned
 from lutgen.chart import gravity_from_up, unit_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 
 def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
@@ -58,17 +58,15 @@ def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
     down = gravity_from_up(up_dir)
     found = diagnose(posture, down)
     if found.facet is None:
-        raise InputError(
-            f"{posture.recipe.source}: the robot lies on no support facet (got up_dir = "
-            f"{np.asarray(up_dir, dtype=float).tolist()}); nothing is known of the ground then"
-        )
+        got = f"up_dir = {np.asarray(up_dir, dtype=float).tolist()}"
+        what, way_out = "the robot lies on no support facet", "nothing is known of the ground then"
+        reject(posture.recipe.source, what, got, way_out, InputError)
     up = -found.facet.normal
     gravity = gravity_transform(up).T @ down
     slope = math.atan2(math.hypot(gravity[0], gravity[1]), -gravity[2])
     downhill = math.atan2(gravity[1], gravity[0])
-    return TangentPlane(
-        roll, pitch, up, found.facet.height, slope, downhill, gravity, found.standing
-    )
+    height, standing = found.facet.height, found.standing
+    return TangentPlane(roll, pitch, up, height, slope, downhill, gravity, standing)
 
 
 def roll_pitch(up_dir: ArrayLike) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.posture import Posture, Stance
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 CHANNELS = ("sdg", "tip_angle", "margin", "energy_margin")
@@ -48,10 +48,9 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     """
     recipe = posture.recipe
     if recipe.com_uncertainty > 0.0:
-        raise InputError(
-            f"{recipe.source}: key `robot.com_uncertainty`: metrics are those of one com (got "
-            f"{recipe.com_uncertainty:g}); leave it out to compare them"
-        )
+        what = "key `robot.com_uncertainty`: metrics are those of one com"
+        way_out = "leave it out to compare them"
+        reject(recipe.source, what, f"{recipe.com_uncertainty:g}", way_out, InputError)
     directions = np.vstack([LEVEL, checked_directions(gravity_dir)])
     found = evaluate(recipe, posture.row, directions, (*CHANNELS, "least_share", "status"))
     status, least_share = found.pop("status")[0], found.pop("least_share")[0]
@@ -59,26 +58,21 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     standing = values["tip_angle"] >= 0.0
     stance = posture.stance_of_weight()
     values["force_angle"] = force_angle(stance, directions, values["tip_angle"], values["margin"])
-    level = values["tip_angle"][0]
-    if not level > 0.0 or not len(stance.start):
-        degrees = f"{np.degrees(level):.3g} deg"
-        raise InputError(
-            f"{recipe.source}: metrics are compared with those on level ground, where this posture "
-            f"does not stand or cannot tip (got a tip angle of {degrees}); choose another posture."
-        )
+    angle = values["tip_angle"][0]
+    if not angle > 0.0 or not len(stance.start):
+        degrees = f"{np.degrees(angle):.3g} deg"
+        what = "metrics are compared with those on level ground, where this posture does not stand"
+        got = f"a tip angle of {degrees}"
+        reject(recipe.source, f"{what} or cannot tip", got, "choose another posture", InputError)
     normalised = {name: values[name][1:] / values[name][0] for name in METRICS if name != "sdg"}
     under = [stance.under(down) for down in directions[1:]]
     radius = np.array([np.nan if facet is None else facet.inradius for facet in under])
     normalised["sdg"] = 1.0 - values["sdg"][1:] / radius
-    return Metrics(
-        standing[1:],
-        status[1:],
-        least_share[1:],
-        {name: values[name][1:] for name in METRICS},
-        {name: normalised[name] for name in METRICS},
-        {name: float(values[name][0]) for name in METRICS},
-        float(status[0]),
-    )
+    tilted = {name: values[name][1:] for name in METRICS}
+    normalised = {name: normalised[name] for name in METRICS}
+    level = {name: float(values[name][0]) for name in METRICS}
+    verdicts = (standing[1:], status[1:], least_share[1:])
+    return Metrics(*verdicts, tilted, normalised, level, float(status[0]))
 
 
 def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Floats:

@@ -12,29 +12,11 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen import support
 from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, wrenches
-from lutgen.errors import InputError
-from lutgen.recipe import (
-    Postures,
-    Recipe,
-    body_parts,
-    forward,
-    radii_and_kinds,
-    robot_size_of,
-)
-from lutgen.support import (
-    ACCEPTED,
-    ARCS,
-    CONVEX,
-    Region,
-    empty_region,
-    pack,
-    seat_under,
-    stand,
-    support_contact,
-    support_height,
-)
+from lutgen.errors import InputError, reject
+from lutgen.recipe import Postures, Recipe, body_parts, forward, radii_and_kinds, robot_size_of
 from lutgen.vector import Floats, Vector
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
@@ -112,12 +94,12 @@ class Stance:
     start: Floats
     stop: Floats
     convex: bool
-    region: Region
+    region: support.Region
 
     def under(self, direction: Floats) -> Facet | None:
         """Return the facet that gravity along a direction (3,) pierces, or None."""
         x, y, z = direction.tolist()
-        k = seat_under(self.region, (x, y, z))
+        k = support.seat_under(self.region, (x, y, z))
         return self.facets[k] if k >= 0 else None
 
 
@@ -138,10 +120,9 @@ class Posture:
         self.recipe = recipe
         self.params = np.asarray(params, dtype=np.float64)
         if self.params.ndim != 1:
-            raise InputError(
-                f"one posture needs params of the shape ({len(recipe.parameters)},) (got the shape "
-                f"{self.params.shape}); pass one number per geometry parameter"
-            )
+            what = f"one posture needs params of the shape ({len(recipe.parameters)},)"
+            way_out = "pass one number per geometry parameter"
+            reject(recipe.source, what, f"the shape {self.params.shape}", way_out, InputError)
         self.row = self.params[None]
 
     @cached_property
@@ -157,7 +138,8 @@ class Posture:
     @cached_property
     def primitives(self) -> Floats:
         """The contacts as the kernels take them (n, 8), relative to the com."""
-        return pack(self.placed.centres[0], self.placed.axes[0], *radii_and_kinds(self.recipe))
+        places = self.placed.centres[0], self.placed.axes[0]
+        return support.pack(*places, *radii_and_kinds(self.recipe))
 
     @cached_property
     def wrench(self) -> Floats:
@@ -168,13 +150,13 @@ class Posture:
     def stance(self) -> Stance:
         """Facets and tip-over axes."""
         primitives = primitives_of(self.recipe, self.placed)[0]
-        region = empty_region(len(primitives))
-        stand(region, primitives, acceptance_of(self.recipe))
+        region = support.empty_region(len(primitives))
+        support.stand(region, primitives, acceptance_of(self.recipe))
         count = region.counts
-        facets = tuple(_facet(region, k) for k in range(count[ACCEPTED]))
-        arcs = region.arc[: count[ARCS]]
+        facets = tuple(_facet(region, k) for k in range(count[support.ACCEPTED]))
+        arcs = region.arc[: count[support.ARCS]]
         start, stop = arcs["start"].copy(), arcs["stop"].copy()
-        return Stance(facets, start, stop, bool(count[CONVEX]), region)
+        return Stance(facets, start, stop, bool(count[support.CONVEX]), region)
 
     def stance_of_weight(self) -> Stance:
         """Return the stance; refuse forces, under which a ray of gravity finds no facet."""
@@ -182,7 +164,7 @@ class Posture:
         return self.stance
 
 
-def _facet(region: Region, k: int) -> Facet:
+def _facet(region: support.Region, k: int) -> Facet:
     """Return accepted facet k of a region; contacts by their rows in the recipe."""
     seat, source, shown = region.seat[k], region.source, region.shown
     facet = region.facet[seat["facet"]]
@@ -192,7 +174,7 @@ def _facet(region: Region, k: int) -> Facet:
     first = [] if facet["swings"] else corners
     others = [i for i in range(len(source)) if mask >> i & 1 and i not in first]
     x, y, z = seat["normal"].tolist()
-    inner = [support_contact(shown, i, (x, y, z)) for i in others]
+    inner = [support.support_contact(shown, i, (x, y, z)) for i in others]
     points = np.array([region.edge[e]["point"] for e in edges])
     return Facet(
         seat["normal"].copy(),
@@ -230,7 +212,7 @@ def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
     x, y, z = facet.normal.tolist()
     result: dict[str, float] = {}
     for i, part in enumerate(parts):
-        depth = support_height(body, i, (x, y, z)) - facet.height
+        depth = support.support_height(body, i, (x, y, z)) - facet.height
         if depth > least:
             result[part.link] = max(depth, result.get(part.link, 0.0))
     return result

@@ -11,15 +11,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Posture
 from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats
-
-Ints = NDArray[np.intp]
+from lutgen.vector import Floats, Ints
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
 SHORTEST_STEP = math.radians(0.005)

@@ -10,18 +10,16 @@ from decimal import ROUND_FLOOR, Decimal
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats
-
-Ints = NDArray[np.intp]
+from lutgen.vector import Floats, Ints
 
 FOUR = {
     "nose down": 0.0,
@@ -83,11 +81,6 @@ class PostureLimits:
         return self.headings[-1]
 
     @property
-    def rolls(self) -> bool:
-        """Whether the robot has contacts that roll: on them it may give way before it slides."""
-        return any(contact.rolling for contact in self.ground.posture.recipe.contacts)
-
-    @property
     def guaranteed_ground(self) -> float:
         """Slope (rad) of the ground up to which the robot stands in every heading.
 
@@ -126,16 +119,6 @@ class SweepLimits:
         found = (ground_tilt(Posture(self.recipe, row)).guaranteed for row in self.params)
         return np.fromiter(found, np.float64, len(self.params))
 
-    @property
-    def weakest(self) -> int:
-        """The posture that survives least in its worst heading."""
-        return int(self.guaranteed.argmin())
-
-    @property
-    def strongest(self) -> int:
-        """The posture that survives most in its worst heading."""
-        return int(self.guaranteed.argmax())
-
 
 def rounded_down(angle: float, decimals: int = 2) -> float:
     """Return a limit in deg rounded down, so that what is printed holds, too.
@@ -156,10 +139,8 @@ def even_headings(count: int) -> Floats:
     It is a multiple of 4, so that the four named headings are among them.
     """
     if count < 4 or count % 4:
-        raise InputError(
-            f"the number of headings must be a multiple of 4 (got {count}); nose, tail and both "
-            "sides are then among them"
-        )
+        way_out = "nose, tail and both sides are then among them"
+        reject("headings", "their number must be a multiple of 4", count, way_out, InputError)
     bounds.check(count, bounds.HEADINGS, "the headings", "use fewer")
     return np.arange(count, dtype=np.float64) * (2.0 * math.pi / count)
 
@@ -224,16 +205,8 @@ def sweep_limits(
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))
-    return SweepLimits(
-        recipe,
-        rows,
-        heading,
-        tilts[least_at, across],
-        tilts[most_at, across],
-        least_at,
-        most_at,
-        level_angles(recipe, rows, convention),
-    )
+    ends = (tilts[least_at, across], tilts[most_at, across], least_at, most_at)
+    return SweepLimits(recipe, rows, heading, *ends, level_angles(recipe, rows, convention))
 
 
 def _first(tilts: Floats, sign: float) -> Ints:

@@ -1,17 +1,23 @@
 """Static equilibrium on uneven ground: each contact has a normal and a friction of its own.
 
 The verdict and the region of centres of mass that hold are those of Bretl and Lall, "Testing
-Static Equilibrium for Legged Robots", IEEE T-RO 24(4), 2008.
+Static Equilibrium for Legged Robots", IEEE T-RO 24(4), 2008.  A file describes the feet.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.analysis.balance import BOX, MISSING, SAME, Balance, margin_in
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
+from lutgen.recipe import read_tables, read_text
+from lutgen.recipe.load import NOTHING, Fault, refuse
+from lutgen.recipe.model import unit
+from lutgen.recipe.schema import Direction, LengthUnit, NotNegative, Place, Table, Text, key
 from lutgen.vector import Floats
 
 # Sides of the pyramids, of a verdict until those inside and outside the cones agree.
@@ -20,6 +26,7 @@ SIDES, MOST = 64, 256
 LARGEST = 1e100
 # More friction than this is a wall, and no ground; the programmes lose their accuracy beyond.
 ROUGHEST = 1e6
+DOWN = [0.0, 0.0, -1.0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,15 +110,12 @@ def equilibrium(
     shapes = (("points", places, (n, 3)), ("normals", outward, (n, 3)), ("com", middle, (3,)))
     for name, found, shape in (*shapes, ("gravity_dir", down, (3,))):
         if found.shape != shape or n == 0:
-            raise InputError(
-                f"{name} must have the shape {shape}, with a contact at least (got {found.shape}); "
-                "give x, y, z of each"
-            )
+            what = f"{name} must have the shape {shape}, with a contact at least"
+            reject("footing", what, found.shape, "give x, y, z of each", InputError)
     if mu.shape not in ((), (n,)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
-        raise InputError(
-            f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them (got "
-            f"{mu.tolist()}); give a coefficient for all contacts or for each"
-        )
+        what = f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them"
+        way_out = "give a coefficient for all contacts or for each"
+        reject("footing", what, mu.tolist(), way_out, InputError)
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
     origin = places.mean(axis=0)
@@ -150,14 +154,11 @@ def _numbers(name: str, values: ArrayLike) -> Floats:
     try:
         result = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{name} must be numbers in rows of equal length (got {values!r}); write them as a list"
-        ) from None
+        what = f"{name} must be numbers in rows of equal length"
+        reject("footing", what, repr(values), "write them as a list", InputError)
     if not (np.abs(result) < LARGEST).all():
-        raise InputError(
-            f"{name} must be finite, and below {LARGEST:g} (got {result.tolist()}); "
-            "give numbers of another size"
-        )
+        what = f"{name} must be finite, and below {LARGEST:g}"
+        reject("footing", what, result.tolist(), "give numbers of another size", InputError)
     return result
 
 
@@ -186,3 +187,62 @@ def _verdict(
         if Balance.of(*scene, sides, outside=True).missing(com)[0] > MISSING:
             return False, None
     return None, None
+
+
+class Foot(Table):
+    """A point contact on ground of its own slope."""
+
+    name: Text | None = key("A name of its own.", "left", None)
+    position: Place = key("Where it touches the ground.", [0.2, 0.1, 0])
+    normal: Direction | None = key("Of the ground, upwards; else against gravity.", [0, 0, 1], None)
+    friction: NotNegative | None = key("Its coefficient, if not that of all.", 0.5, None)
+
+
+class Feet(Table):
+    """What a file of `lutgen stance` holds."""
+
+    title: Text | None = key("What figures call it, if not the file's name.", "stair", None)
+    length_unit: LengthUnit = key("The unit of all lengths.", "m", "m")
+    com: Place = key("The centre of mass.", [0, 0, 0.5])
+    gravity: Direction = key("Gravity, pointing down.", [0, 0, -1], DOWN)
+    friction: NotNegative | None = key("Coefficient of all feet that have none.", 0.5, None)
+    foot: list[Foot] = key("At least one.", [], [])
+
+
+def read_footing(path: str) -> Footing:
+    """Read the feet and the centre of mass; a file with any fault raises RecipeError."""
+    feet = read_tables(read_text(path), path, Feet)
+    refuse(path, _faults(feet))
+    down = unit(feet.gravity)
+    # Zero has no sign, not even turned round.
+    up = [0.0 - part for part in down]
+    return Footing(
+        feet.title or Path(path).stem,
+        feet.length_unit,
+        tuple(_names(feet)),
+        points=np.array([foot.position for foot in feet.foot]),
+        normals=np.array([unit(foot.normal) if foot.normal else up for foot in feet.foot]),
+        friction=np.array([_friction(feet, foot) for foot in feet.foot]),
+        com=np.array(feet.com),
+        gravity_dir=np.array(down),
+    )
+
+
+def _names(feet: Feet) -> list[str]:
+    return [foot.name or f"P{place}" for place, foot in enumerate(feet.foot, 1)]
+
+
+def _friction(feet: Feet, foot: Foot) -> float | None:
+    return feet.friction if foot.friction is None else foot.friction
+
+
+def _faults(feet: Feet) -> Iterator[Fault]:
+    if not feet.foot:
+        yield Fault("foot", "is missing", NOTHING, "add a [[foot]] for each contact")
+    if any(_friction(feet, foot) is None for foot in feet.foot):
+        yield Fault("friction", "is missing", NOTHING, "write for example friction = 0.5")
+    names = _names(feet)
+    for place, name in enumerate(names, 1):
+        # The name that it would have may be taken.
+        if name in names[: place - 1]:
+            yield Fault(f"foot[{place}].name", "is given twice", name, "choose another name")

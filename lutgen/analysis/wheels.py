@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Facet, Posture
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.parts import Wheel
 from lutgen.recipe import forward
 from lutgen.support import FACE_ANGLE
@@ -31,6 +31,7 @@ FASTEST = 1e100
 class Structure:
     """How the wheels that touch let the robot move in the contact plane.
 
+    Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     `dof` is 3 - rank of the constraints of the fixed wheels: every motion that some setting of
     the steered wheels allows.  `steered` tells whether a steered wheel touches.  `mobility` and
     `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
@@ -121,23 +122,18 @@ def _find_ground(posture: Posture, gravity_dir: ArrayLike) -> _Ground:
     """Find the contact plane of one posture and the wheels whose contacts touch it."""
     source = posture.recipe.source
     if not posture.recipe.wheels:
-        raise InputError(
-            f"{source}: the robot has no wheels (got no [[robot.wheel]]); add one for each "
-            "contact that is a wheel: contact, axis, radius."
-        )
+        way_out = "add one for each contact that is a wheel: contact, axis, radius"
+        reject(source, "the robot has no wheels", "no [[robot.wheel]]", way_out, InputError)
     found = diagnose(posture, gravity_dir)
     if found.facet is None:
-        raise InputError(
-            f"{source}: the robot has no support facet under this gravity (got gravity_dir "
-            f"= {found.gravity_dir.tolist()}); choose another direction or posture."
-        )
+        what = "the robot has no support facet under this gravity"
+        way_out = "choose another direction or posture"
+        reject(source, what, f"gravity_dir = {found.gravity_dir.tolist()}", way_out, InputError)
     facet, forward_axis = found.facet, np.array([1.0, 0.0, 0.0])
     if float(np.linalg.norm(facet.along(forward_axis))) < FACE_ANGLE:
-        raise InputError(
-            f"{source}: the body's x axis is normal to the ground, which leaves no forward "
-            f"direction (got the normal {(-facet.normal).tolist()}); choose another direction or "
-            "posture."
-        )
+        what = "the body's x axis is normal to the ground, which leaves no forward direction"
+        way_out = "choose another direction or posture"
+        reject(source, what, f"the normal {(-facet.normal).tolist()}", way_out, InputError)
     # y of a facet's frame points to the right.
     frame = facet.frame(forward_axis) * [[1.0], [-1.0]]
     size = float(np.linalg.norm(facet.points @ frame.T, axis=1).max())
@@ -161,30 +157,17 @@ def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling |
         ahead = frame @ np.cross(axle, -facet.normal)
         length = float(np.linalg.norm(ahead))
         if length < FACE_ANGLE:
-            raise InputError(
-                f"{recipe.source}: the wheel on {wheel.contact} cannot roll, its axle is normal to "
-                f"the ground (got {axle.tolist()} in the body frame); correct its `axis`, or "
-                "choose another posture."
-            )
+            what = f"the wheel on {wheel.contact} cannot roll, its axle is normal to the ground"
+            way_out = "correct its `axis`, or choose another posture"
+            reject(recipe.source, what, f"{axle.tolist()} in the body frame", way_out, InputError)
         point, ahead = facet.touching_points[facet.touching.index(i)], ahead / length
         left = np.array([-ahead[1], ahead[0]])
         result.append(_Rolling(wheel, frame @ point, ahead, left))
     return tuple(result)
 
 
-def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
-    """Return the degrees of freedom that the wheels leave, refusing what `wheel_speeds` refuses.
-
-    Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
-    """
-    return _structure(_find_ground(posture, gravity_dir))
-
-
 def wheel_speeds(
-    posture: Posture,
-    velocity: ArrayLike,
-    yaw_rate: float,
-    gravity_dir: ArrayLike = LEVEL,
+    posture: Posture, velocity: ArrayLike, yaw_rate: float, gravity_dir: ArrayLike = LEVEL
 ) -> Motion:
     """Compute the wheel speeds and steering angles of a motion in the contact plane.
 
@@ -212,10 +195,9 @@ def wheel_speeds(
     """
     asked = np.array([*np.ravel(velocity), yaw_rate], np.float64)
     if asked.shape != (3,) or not (np.abs(asked) <= FASTEST).all():
-        raise InputError(
-            f"velocity must be two numbers, forward and to the left, and yaw_rate one, of up to "
-            f"{FASTEST:g} (got {asked.tolist()})"
-        )
+        what = f"velocity must be two numbers, and yaw_rate one, of up to {FASTEST:g}"
+        way_out = "give lengths per second, forward and to the left, and rad/s"
+        reject(posture.recipe.source, what, asked.tolist(), way_out, InputError)
     recipe, ground = posture.recipe, _find_ground(posture, gravity_dir)
     velocity, yaw_rate = asked[:2], float(asked[2])
     motion = asked * [1.0, 1.0, ground.size]
@@ -230,17 +212,10 @@ def wheel_speeds(
     stretch, basis = _free_motions(ground)
     possible = slip <= stretch * still
     nearest = motion if possible else basis @ (basis.T @ motion)
-    return Motion(
-        (float(asked[0]), float(asked[1])),
-        yaw_rate,
-        wheels,
-        slip,
-        possible,
-        (float(nearest[0]), float(nearest[1])),
-        yaw_rate if possible else float(nearest[2]) / ground.size,
-        _structure(ground),
-        ground.standing,
-    )
+    turn = yaw_rate if possible else float(nearest[2]) / ground.size
+    wanted = ((float(asked[0]), float(asked[1])), yaw_rate, wheels, slip, possible)
+    reached = (float(nearest[0]), float(nearest[1]))
+    return Motion(*wanted, reached, turn, _structure(ground), ground.standing)
 
 
 def _wheel_motion(contact: _Rolling, velocity: Floats, still: float) -> WheelMotion:

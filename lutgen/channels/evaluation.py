@@ -111,17 +111,13 @@ def measure_recipe(
     postures: Postures,
     gravity_dir: NDArray[np.float64],
     wanted: NDArray[np.bool_],
-    tighter: float = 0.0,
 ) -> Rows:
-    """Measure postures of a recipe; see `measure_postures`.
-
-    `tighter` (rad) is taken from `upright` and from `rock_angle`.
-    """
+    """Measure postures of a recipe; see `measure_postures`."""
     return measure_postures(
         primitives_of(recipe, postures),
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
-        Setting(acceptance_of(recipe, tighter), wanted, groups_of(recipe)),
+        Setting(acceptance_of(recipe), wanted, groups_of(recipe)),
     )
 
 

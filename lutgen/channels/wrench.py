@@ -20,7 +20,7 @@ from lutgen.recipe import (
     radii_and_kinds,
     robot_size_of,
 )
-from lutgen.support import AXLE, FIRST, OFF_FACE, Acceptance, acceptance, pack
+from lutgen.support import AXLE, FIRST, Acceptance, acceptance, pack
 
 # Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).
 REST_WIDTH = 0.01
@@ -71,20 +71,15 @@ def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     return result
 
 
-def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
-    """Return the acceptance of a recipe: a facet counts for every com in the ball or not at all.
-
-    `tighter` (rad) is taken from `upright` and from `rock_angle`, and added to how far from its
-    face a wheel must be.
-    """
+def acceptance_of(recipe: Recipe) -> Acceptance:
+    """Return the acceptance of a recipe: a facet counts for every com in the ball or not at all."""
     size = robot_size_of(recipe)
     return acceptance(
-        recipe.upright - tighter,
-        max(recipe.rock_angle - tighter, 0.0),
+        recipe.upright,
+        recipe.rock_angle,
         recipe.com_uncertainty,
         REST_WIDTH * size if recipe.rest_width is None else recipe.rest_width,
         contact_tolerance_of(recipe),
-        OFF_FACE + tighter,
     )
 
 

@@ -11,7 +11,7 @@ from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, analysis, devices, evaluation, np, robots
 from lutgen.cli.options import RecipeOptions, command, open_recipe, option
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # Where the robot accelerates, body frame.
 WAYS = {
@@ -102,10 +102,8 @@ def opened(source: str, options: Options) -> "tuple[robots.Recipe, Callable[...,
 
         folder = devices.ExportFolder(source)
         if folder.integer:
-            raise InputError(
-                f"{source}: smap_budget computes with floats (got integer arithmetic); export with "
-                "--arithmetic float."
-            )
+            what = "smap_budget computes with floats"
+            reject(source, what, "integer arithmetic", "export with --arithmetic float", InputError)
         return folder.recipe(), lambda params, gravity, way: read(
             folder.blob, params, gravity, way, options.reads
         )[0].astype(float)
@@ -132,10 +130,8 @@ def slopes_of(text: str) -> "Floats":
     low, high, step = shapes.get(len(parts), 3 * (math.nan,))
     few = step > 0.0 and high - low <= MOST * step
     if not (0.0 <= low <= high <= STEEPEST and few):
-        raise InputError(
-            f"--slope: at most {MOST} slopes FROM:TO:STEP from 0 to {STEEPEST:g} deg (got {text}); "
-            "write for example 0:30:10."
-        )
+        what = f"at most {MOST} slopes FROM:TO:STEP from 0 to {STEEPEST:g} deg"
+        reject("--slope", what, text, "write for example 0:30:10", InputError)
     return np.arange(low, high + 1e-9 * max(step, 1.0), step)
 
 
@@ -205,9 +201,8 @@ def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
         return
     on = f" on a bump of {bump:g} m" if bump else ""
     yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"
-    table = [
-        ["slope", *(f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]), "one contact"]
-    ]
+    headings = [f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]]
+    table = [["slope", *headings, "one contact"]]
     for row in rows:
         speeds = [*row["stop_speeds_m_s"].values(), row["stop_speed_m_s"]]
         table.append([output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)])

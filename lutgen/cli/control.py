@@ -1,7 +1,7 @@
 """`lutgen control`: the C steers a robot over rough ground, in a closed loop."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from lutgen.cli.lazy import Floats, np, onboard, searches
 from lutgen.cli.options import command, open_recipe, option, stored_values
 from lutgen.cli.output import VERDICTS, aligned, by_unit, show
 from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # Of a policy that is made here: a cycle at each point of a path, no turn of `up` is too large, and
 # little is given up for smoothness.
@@ -98,7 +98,20 @@ def control(source: str, options: Options) -> None:
         "late_by_cycles": late,
         "rates": by_unit(steering.recipe, plant.rates),
         "noise_m_s2": plant.noise,
-        **runs_report(runs, loop),
+        "runs": [
+            {
+                "name": name,
+                "share": run.share,
+                "tips": int(run.tips.sum()),
+                "least_tip_angle_deg": math.degrees(run.channels["tip_angle"].min()),
+                "median_tip_angle_deg": math.degrees(np.median(run.channels["tip_angle"])),
+            }
+            for name, run in runs.items()
+        ],
+        "tips_only_with_control": int((runs[WITH].tips & ~runs[WITHOUT].tips).sum()),
+        "moves": {name: int((loop.moves == i).sum()) for i, name in enumerate(MOVES)},
+        "alarms": [int((loop.alarms == level).sum()) for level in range(4)],
+        "most_poses": int(loop.poses.max()),
     }
     show(report, lines, options.as_json)
 
@@ -108,10 +121,8 @@ def steering_for(source: str, options: Options) -> "onboard.Steering":
     if Path(source).is_dir():
         for name, value in (("objective", options.objective), ("cycle", options.cycle)):
             if value is not None:
-                raise InputError(
-                    f"{source}: a folder has its policy (got --{name}); make another one with "
-                    "`lutgen policy`."
-                )
+                way_out = "make another one with `lutgen policy`"
+                reject(source, "a folder has its policy", f"--{name}", way_out, InputError)
         return onboard.steering_in(source)
     robot = open_recipe(source, options.allow_python)
     cycle = CYCLE if options.cycle is None else options.cycle
@@ -143,15 +154,11 @@ def ground_of(options: Options) -> "searches.Path | None":
     if options.log is None:
         return open_terrain(options.terrain, options.turn)
     if options.animate is not None:
-        raise InputError(
-            f"{options.log}: a log does not say where the robot was (got --animate with --log); "
-            "take --plot."
-        )
+        what = "a log does not say where the robot was"
+        reject(options.log, what, "--animate with --log", "take --plot", InputError)
     if options.terrain != PAPER or options.speed is not None or options.turn:
-        raise InputError(
-            f"{options.log}: a log has its own ground, time and heading (got --terrain, --speed "
-            "or --turn with --log); leave them out."
-        )
+        what, way_out = "a log has its own ground, time and heading", "leave them out"
+        reject(options.log, what, "--terrain, --speed or --turn with --log", way_out, InputError)
     return None
 
 
@@ -169,27 +176,6 @@ def columns_of(steering: "onboard.Steering", loop: "onboard.Loop") -> dict[str, 
         "alarm": loop.alarms.tolist(),
         "poses": loop.poses.tolist(),
         "tips": drive.tips.tolist(),
-    }
-
-
-def runs_report(runs: "Mapping[str, searches.Drive]", loop: "onboard.Loop") -> dict[str, Any]:
-    """Return what `--json` prints of the runs and of what the C did."""
-    only = runs[WITH].tips & ~runs[WITHOUT].tips
-    return {
-        "runs": [
-            {
-                "name": name,
-                "share": run.share,
-                "tips": int(run.tips.sum()),
-                "least_tip_angle_deg": math.degrees(run.channels["tip_angle"].min()),
-                "median_tip_angle_deg": math.degrees(np.median(run.channels["tip_angle"])),
-            }
-            for name, run in runs.items()
-        ],
-        "tips_only_with_control": int(only.sum()),
-        "moves": {name: int((loop.moves == i).sum()) for i, name in enumerate(MOVES)},
-        "alarms": [int((loop.alarms == level).sum()) for level in range(4)],
-        "most_poses": int(loop.poses.max()),
     }
 
 

@@ -192,9 +192,8 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
             (f"  {name}", f"{share:.6f}", f"(paper's heuristic, Eq 12: {rough[name]:.6f})")
             for name, share in report["normal_forces"].items()
         )
-        yield from output.aligned(
-            (f"  {name}", f"{share:.6f}") for name, share in report["group_shares"].items()
-        )
+        shares = report["group_shares"].items()
+        yield from output.aligned((f"  {name}", f"{share:.6f}") for name, share in shares)
 
 
 def entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:

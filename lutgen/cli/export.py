@@ -31,8 +31,7 @@ class ExportOptions(FolderOptions):
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
     )
     max_error: str | None = option(
-        metavar="X",
-        help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.",
+        metavar="X", help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit."
     )
     channels: str | None = option(
         metavar="A,B",

@@ -10,22 +10,13 @@ from typing import Any, NoReturn
 
 import click
 
+from lutgen import errors
 from lutgen._version import __version__
-from lutgen.errors import (
-    ExportError,
-    InputError,
-    LutgenError,
-    RecipeError,
-    SweepError,
-    one_line,
-    readable,
-)
 
 FAILED, BAD_INPUT = 1, 2
 # The modules that have commands.
 COMMANDS = (
-    "budget control eval export import_ limits metrics optimum pages path plot recipes stance "
-    "sweep weigh wheels"
+    "budget control eval export import_ limits optimum pages path posture recipes sweep weigh"
 )
 # What the system says of an output that takes no more: a name stands with all other files.
 NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
@@ -41,18 +32,17 @@ class Group(click.Group):
         """Run a command; exit 1 where the task failed, 2 where its input is wrong."""
         try:
             return super().invoke(ctx)
-        except LutgenError as error:
-            text = readable(str(error))
+        except errors.LutgenError as error:
+            text = errors.readable(str(error))
             # The faults of a recipe are a line each.
-            failure = click.ClickException(
-                text if isinstance(error, RecipeError) else one_line(text)
-            )
-            failed = isinstance(error, ExportError | SweepError)
+            text = text if isinstance(error, errors.RecipeError) else errors.one_line(text)
+            failure = click.ClickException(text)
+            failed = isinstance(error, errors.ExportError | errors.SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
             raise failure from error
         except click.ClickException as error:
-            vars(error)["message"] = readable(error.message)
+            vars(error)["message"] = errors.readable(error.message)
             raise
 
     def main(self, *args: Any, **settings: Any) -> Any:
@@ -68,7 +58,7 @@ class _Readable(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:
         """Return the line of a record, without a traceback."""
-        return one_line(readable(super().formatMessage(record)))
+        return errors.one_line(errors.readable(super().formatMessage(record)))
 
 
 def _end(error: Exception) -> NoReturn:
@@ -88,7 +78,7 @@ def _end(error: Exception) -> NoReturn:
         if error.__traceback__ is not None:
             *_, last = traceback.extract_tb(error.__traceback__)
             place = f" in {Path(last.filename).name}, line {last.lineno}"
-        got = readable(" ".join(f"{type(error).__name__}: {error}".split())[:LONGEST])
+        got = errors.readable(" ".join(f"{type(error).__name__}: {error}".split())[:LONGEST])
         way_out = "" if log.isEnabledFor(logging.INFO) else "run it again with `lutgen -v`, and "
         said = (
             f"{UNFORESEEN} (got {got}{place}); {way_out}report the traceback, the command and its "
@@ -102,10 +92,9 @@ def check_environment() -> None:
     """Refuse settings of the environment that a library would answer with a traceback."""
     threads = os.environ.get("NUMBA_NUM_THREADS")
     if threads is not None and not (threads.isascii() and threads.isdigit() and int(threads[:6])):
-        raise InputError(
-            f"NUMBA_NUM_THREADS: must be a whole number above 0 (got {threads!r}); correct it in "
-            "the environment, or unset it."
-        )
+        what = "must be a whole number above 0"
+        way_out = "correct it in the environment, or unset it"
+        errors.reject("NUMBA_NUM_THREADS", what, repr(threads), way_out, errors.InputError)
 
 
 @click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})

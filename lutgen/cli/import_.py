@@ -10,15 +10,17 @@ from lutgen.cli import options as given
 from lutgen.cli.lazy import Floats, maps, proposals, robots
 from lutgen.cli.options import command, finite_numbers, log, option
 from lutgen.cli.output import show
-from lutgen.errors import InputError, RecipeError
+from lutgen.errors import InputError, RecipeError, reject
 from lutgen.files import check_target, write_text
 from lutgen.parts import Contact
 
 if TYPE_CHECKING:
     from lutgen.urdf.description import UrdfRobot
-    from lutgen.urdf.srdf import Standing
 
-STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
+STANDS_NOWHERE = (
+    "the robot stands in none of its postures on these contacts; choose others with --contact, or "
+    "correct them in the recipe"
+)
 # How the refusal ends where a recipe may have been edited.
 KEPT = "pass --merge to keep what was edited by hand, or --force to write over it"
 
@@ -95,6 +97,8 @@ def import_(urdf: str, options: Options) -> None:
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
+    from lutgen.urdf.joints import read_motion
+    from lutgen.urdf.links import centre_of_mass, places
     from lutgen.urdf.meshes import Meshes
     from lutgen.urdf.sources import Sources
     from lutgen.urdf.srdf import joint_values, load_srdf, srdf_beside, standing_posture
@@ -119,28 +123,7 @@ def import_(urdf: str, options: Options) -> None:
         Meshes(Sources(Path(urdf).parent, packages(options)), hulls),
         proposals.Coupling(options.couples, srdf.groups if srdf is not None else {}),
     )
-    report = import_report(robot, rest, made)
-    for words in made.warnings:
-        log.warning("%s: %s", urdf, words)
-    text = made.text
-    if options.merge:
-        old = robots.read_text(options.output)
-        text, report["changed"] = robots.merged_recipe(old, options.output, made.text)
-    else:
-        check_target(options.output, options.force, text.encode("utf-8"), KEPT)
-    write_text(options.output, text, options.force or options.merge)
-    warn_unless_standing(made)
-    show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
-
-
-def import_report(
-    robot: "UrdfRobot", rest: "Standing", made: "proposals.Imported"
-) -> dict[str, Any]:
-    """Return what `--json` prints."""
-    from lutgen.urdf.joints import read_motion
-    from lutgen.urdf.links import centre_of_mass, places
-
-    return {
+    report: dict[str, Any] = {
         "name": made.recipe.name,
         "mass": math.fsum(link.mass for link in robot.links),
         "com": centre_of_mass(robot, places(robot, read_motion(robot, (), rest.values))),
@@ -153,18 +136,21 @@ def import_report(
         "left_out": [*rest.left_out, *made.left_out],
         "warnings": made.warnings,
     }
-
-
-def warn_unless_standing(made: "proposals.Imported") -> None:
-    """Say that a recipe is of no use yet where its robot stands in none of its postures."""
+    for words in made.warnings:
+        log.warning("%s: %s", urdf, words)
+    text = made.text
+    if options.merge:
+        old = robots.read_text(options.output)
+        text, report["changed"] = robots.merged_recipe(old, options.output, made.text)
+    else:
+        check_target(options.output, options.force, text.encode("utf-8"), KEPT)
+    write_text(options.output, text, options.force or options.merge)
     try:
         maps.require_standing(made.recipe)
     except RecipeError:
-        log.warning(
-            "%s: %s; choose others with --contact, or correct them in the recipe",
-            made.recipe.name,
-            STANDS_NOWHERE,
-        )
+        # The recipe is of no use yet.
+        log.warning("%s: %s", made.recipe.name, STANDS_NOWHERE)
+    show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
 
 
 def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
@@ -204,10 +190,8 @@ def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Float
     from lutgen.urdf.sources import load_xacro
 
     if path.endswith(".xacro") and not options.xacro:
-        raise InputError(
-            f"{path}: must be expanded, which evaluates it and reads the files that it includes "
-            "(got no --xacro); pass --xacro if you trust it."
-        )
+        what = "must be expanded, which evaluates it and reads the files that it includes"
+        reject(path, what, "no --xacro", "pass --xacro if you trust it", InputError)
     arguments = dict(pairs("--arg", "NAME=VALUE", options.arguments))
     if arguments and not options.xacro:
         raise InputError(f"--arg: is for xacro (got {path}); leave it out, or pass --xacro.")
@@ -227,15 +211,12 @@ def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Float
 
 def packages(options: Options) -> dict[str, Path]:
     """Return the folders of packages that are given."""
-    found = {
-        name: Path(folder) for name, folder in pairs("--package", "NAME=DIR", options.packages)
-    }
+    texts = pairs("--package", "NAME=DIR", options.packages)
+    found = {name: Path(folder) for name, folder in texts}
     for name, folder in found.items():
         if not folder.is_dir():
-            raise InputError(
-                f"--package: {name} is in no folder that there is (got {str(folder)!r}); "
-                "write NAME=DIR."
-            )
+            what = f"{name} is in no folder that there is"
+            reject("--package", what, repr(str(folder)), "write NAME=DIR", InputError)
     return found
 
 
@@ -253,8 +234,7 @@ def point(text: str, index: int) -> "Contact":
     link, _, numbers = text.rpartition("=")
     values = finite_numbers(numbers)
     if len(values) not in (3, 4) or min(values[3:], default=0.0) < 0.0:
-        raise InputError(
-            f"--contact: is no point of a link (got {text!r}); write LINK=X,Y,Z[,RADIUS]."
-        )
+        way_out = "write LINK=X,Y,Z[,RADIUS]"
+        reject("--contact", "is no point of a link", repr(text), way_out, InputError)
     radius = values[3] if len(values) == 4 else 0.0
     return Contact(f"{link}_P{index}", link, (values[0], values[1], values[2]), radius)

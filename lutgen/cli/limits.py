@@ -71,9 +71,8 @@ def limits(recipe: str, options: Options) -> None:
     report = limits_report(robot, found)
     report["posture_from"] = given.posture_source(robot, options.assignments) or "given"
     if options.least_share:
-        report["share_limits"] = [
-            share_entry(posture, *one, options.convention) for one in options.least_share
-        ]
+        wanted, convention = options.least_share, options.convention
+        report["share_limits"] = [share_entry(posture, *one, convention) for one in wanted]
     if swept is not None and options.over_all:
         report["all_postures"] = all_postures(robot, swept)
     if swept is not None and options.best:
@@ -123,7 +122,8 @@ def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> d
         "worst_ground_heading_deg": output.degrees(ground.worst),
         "worst_ground_tilt_deg": down(ground.least),
         "worst_ground_contacts": ground.contacts(ground.worst),
-        "ground_rolling_included": False if found.rolls else None,
+        # On contacts that roll it may give way before it slides.
+        "ground_rolling_included": False if any(c.rolling for c in recipe.contacts) else None,
         "forces_act": recipe.has_wrench,
         "stands_on_level_ground": found.stands,
     }
@@ -162,15 +162,13 @@ def all_postures(recipe: "robots.Recipe", swept: "analysis.SweepLimits") -> dict
         at = i * len(swept.headings) // len(analysis.FOUR)
         postures = [int(swept.least_at[at]), int(swept.most_at[at])]
         rows.append({"name": name, **ends(postures, (swept.least[at], swept.most[at]))})
-    extremes = [swept.weakest, swept.strongest]
-    rows.append({"name": analysis.WORST, **ends(extremes, swept.guaranteed[extremes])})
-    slopes = swept.guaranteed_ground
-    extremes = [int(slopes.argmin()), int(slopes.argmax())]
+    tilts, slopes = swept.guaranteed, swept.guaranteed_ground
+    body, ground = ([int(of.argmin()), int(of.argmax())] for of in (tilts, slopes))
     return {
         "postures": len(swept.params),
         "tip_on_level_ground": int((swept.level < 0.0).sum()),
-        "limits": rows,
-        "ground": ends(extremes, slopes[extremes], "guaranteed_tip"),
+        "limits": [*rows, {"name": analysis.WORST, **ends(body, tilts[body])}],
+        "ground": ends(ground, slopes[ground], "guaranteed_tip"),
     }
 
 

@@ -1,7 +1,7 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
 from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
 
@@ -40,7 +40,7 @@ class Options(RecipeOptions):
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
     start: tuple[tuple[str, float], ...] = given.values(
-        help="Where nelder-mead and multistart begin; by default in the middle; repeatable.",
+        help="Where nelder-mead and multistart begin; by default in the middle; repeatable."
     )
     limit: float | None = option(
         type=float,
@@ -72,60 +72,65 @@ def optimum(recipe: str, options: Options) -> None:
     robot = open_recipe(recipe, options.allow_python)
     kept = stored_values(robot, options.assignments)
     one = QUANTITIES.get(options.objective.strip())
-    box = bounds_of(robot, kept, options)
+    box, start = space_of(robot, kept, options)
     found = searches.optimum(
         robot,
         options.gravity,
         options.method,
         options.objective,
         bounds=box or None,
-        start=start_of(robot, kept, box, options) if options.start else None,
+        start=start,
         limit=options.limit if options.limit is None or one is None else one.stored(options.limit),
         **entries(options, "convention levels ends seed"),
     )
     if options.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")
-    report = optimum_report(robot, found, kept)
+    trace = steps(robot, found)
+    report = {
+        **entries(robot, "robot=name length_unit"),
+        **entries(found, "method objective convention standing"),
+        **entry("value", found.value, objective_unit(robot, found)),
+        "evaluations": found.evaluations,
+        "parameters": {
+            p.name: {
+                **entry("value", found.params[i], p.display_unit),
+                **entry("delta", found.delta[i], p.display_unit),
+                **entry("acceptable", found.acceptable[i], p.display_unit),
+                "kept": p.name in kept,
+            }
+            for i, p in enumerate(robot.parameters)
+        },
+        # Where the method itself ends: the paper's search may have seen better before.
+        "last": {key: part for key, part in trace[-1].items() if key != "evaluations"},
+    }
     if options.trace:
-        report["trace"] = steps(robot, found)
+        report["trace"] = trace
     show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
 
 
-def bounds_of(
+def space_of(
     robot: "robots.Recipe", kept: Mapping[str, float], options: Options
-) -> list[tuple[float, float]]:
-    """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
-    bounds = stored_values(robot, options.bounds, "--bounds")
+) -> tuple[list[Any], list[float] | None]:
+    """Return the bounds (rad, length) of all parameters, and where the search begins, if told.
+
+    Bounds of a kept parameter are equal; where nothing is said of one it begins in the middle.
+    """
+    for flag, told in (("--bounds", options.bounds), ("--start", options.start)):
+        for name, *_ in told:
+            if name in kept:
+                what, got = f"parameter {name} has a value already", f"-p as well as {flag} {name}"
+                reject(robot.source, what, got, f"give it one -p or one {flag}", InputError)
     for name, low, high in options.bounds:
-        if name in kept:
-            raise InputError(
-                f"parameter {name} is bounded and kept (got --bounds {name}={low:g}:{high:g} as "
-                "well as -p); give it one -p or one --bounds"
-            )
         if not low < high:
-            raise InputError(
-                f"the lower bound of {name} must be below the upper one (got {low:g}:{high:g}); "
-                f"swap them, or write -p {name}={low:g} to keep it"
-            )
-    bounds |= {name: (value, value) for name, value in kept.items()}
-    return [bounds.get(p.name, (p.minimum, p.maximum)) for p in robot.parameters]
-
-
-def start_of(
-    robot: "robots.Recipe",
-    kept: Mapping[str, float],
-    box: Sequence[tuple[float, float]],
-    options: Options,
-) -> list[float]:
-    """Return where the search begins (rad, length): in the middle where nothing is said."""
+            what = f"the lower bound of {name} must be below the upper one"
+            way_out = f"swap them, or write -p {name}={low:g} to keep it"
+            reject("--bounds", what, f"{low:g}:{high:g}", way_out, InputError)
+    box = {p.name: (p.minimum, p.maximum) for p in robot.parameters}
+    box |= stored_values(robot, options.bounds, "--bounds")
+    box |= {name: (value, value) for name, value in kept.items()}
     start = stored_values(robot, options.start, "--start")
-    if both := [name for name in start if name in kept]:
-        raise InputError(
-            f"parameter {both[0]} has a value already (got --start {both[0]} as well as -p); give "
-            "it one -p or one --start"
-        )
-    middle = {p.name: sum(ends) / 2.0 for p, ends in zip(robot.parameters, box, strict=True)}
-    return [*(middle | start).values()]
+    middle = {name: sum(ends) / 2.0 for name, ends in box.items()}
+    return [*box.values()], [*(middle | start).values()] if start else None
 
 
 def entry(key: str, values: Any, unit: str) -> dict[str, Any]:
@@ -153,31 +158,6 @@ def steps(robot: "robots.Recipe", found: "searches.Optimum") -> list[dict[str, A
         }
         for step in found.trace
     ]
-
-
-def optimum_report(
-    robot: "robots.Recipe", found: "searches.Optimum", kept: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return what `--json` prints; null where there is no value."""
-    last = steps(robot, found)[-1]
-    del last["evaluations"]
-    return {
-        **entries(robot, "robot=name length_unit"),
-        **entries(found, "method objective convention standing"),
-        **entry("value", found.value, objective_unit(robot, found)),
-        "evaluations": found.evaluations,
-        "parameters": {
-            p.name: {
-                **entry("value", found.params[i], p.display_unit),
-                **entry("delta", found.delta[i], p.display_unit),
-                **entry("acceptable", found.acceptable[i], p.display_unit),
-                "kept": p.name in kept,
-            }
-            for i, p in enumerate(robot.parameters)
-        },
-        # Where the method itself ends: the paper's search may have seen better before.
-        "last": last,
-    }
 
 
 def optimum_lines(report: dict[str, Any]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from lutgen.cli.lazy import Floats, maps, np, robots
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 log = logging.getLogger("lutgen")
 
@@ -173,9 +173,7 @@ parameters = functools.partial(
 )
 values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
-    option,
-    type=click.Choice(("map", "nelder-mead", "search", "multistart")),
-    default="search",
+    option, type=click.Choice(("map", "nelder-mead", "search", "multistart")), default="search"
 )
 output = functools.partial(option, "-o", type=Named())
 
@@ -249,19 +247,18 @@ def _is_map(path: str) -> bool:
 def named_values(
     recipe: "robots.Recipe", given: Iterable[tuple[Any, ...]], flag: str = "-p"
 ) -> dict[str, Any]:
-    """Return what an option gives parameters by name, a number each or (low, high), as written."""
+    """Return what an option gives parameters by name, a number each or low and high, as written."""
     known = [p.name for p in recipe.parameters]
     found: dict[str, Any] = {}
     for name, *numbers in given:
         got = f"{flag} {name}={':'.join(f'{number:g}' for number in numbers)}"
         if name not in known:
-            raise InputError(
-                f"{recipe.source}: there is no parameter {name!r} (got {got}); it has "
-                f"{', '.join(known) or 'none'}"
-            )
+            way_out = f"it has {', '.join(known) or 'none'}"
+            reject(recipe.source, f"there is no parameter {name!r}", got, way_out, InputError)
         if name in found:
-            raise InputError(f"parameter {name} is given twice (got {got} as well); leave one out")
-        found[name] = numbers[0] if len(numbers) == 1 else tuple(numbers)
+            what = f"parameter {name} is given twice"
+            reject(recipe.source, what, got, "leave one out", InputError)
+        found[name] = numbers[0] if len(numbers) == 1 else np.array(numbers)
     return found
 
 
@@ -270,13 +267,7 @@ def stored_values(
 ) -> dict[str, Any]:
     """Return the same in rad or the recipe's length."""
     found = named_values(recipe, given, flag)
-    return {
-        p.name: tuple(map(p.stored, found[p.name]))
-        if isinstance(found[p.name], tuple)
-        else p.stored(found[p.name])
-        for p in recipe.parameters
-        if p.name in found
-    }
+    return {p.name: p.stored(found[p.name]) for p in recipe.parameters if p.name in found}
 
 
 def all_values(recipe: "robots.Recipe", given: Assignments) -> "Floats":
@@ -296,11 +287,10 @@ def posture_source(recipe: "robots.Recipe", given: Assignments) -> str:
     """Return where the posture comes from that `posture_values` gives; "" if all of it is given."""
     names = [p.name for p in recipe.parameters]
     rest = [name for name in names if name not in dict(given)]
-    home = [name for name in rest if name in recipe.home]
-    middle = [name for name in rest if name not in recipe.home]
-    found = {
-        words: part for words, part in (("home", home), ("middle of the range", middle)) if part
-    }
+    found: dict[str, list[str]] = {}
+    for name in sorted(rest, key=lambda name: name not in recipe.home):
+        words = "home" if name in recipe.home else "middle of the range"
+        found.setdefault(words, []).append(name)
     if len(found) == 1 and rest == names:
         return next(iter(found))
     return "; ".join(f"{words}: {', '.join(part)}" for words, part in found.items())

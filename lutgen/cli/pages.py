@@ -1,34 +1,97 @@
-"""`lutgen explore` and `lutgen paper`: pages that need no other file."""
+"""`lutgen plot`, `explore` and `paper`: figures, and pages that need no other file."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
+
 from lutgen.cli import options as given
-from lutgen.cli.lazy import devices
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.lazy import devices, figures, robots
 from lutgen.cli.output import check_outputs, entries, show, silent
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
+# Those of `lutgen.plot`, which takes a second to import.
+KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 ENDINGS = (".html", ".htm")
 
 
 @dataclass(frozen=True)
-class ExploreOptions(RecipeOptions):
+class PlotOptions(given.RecipeOptions, given.FigureOptions):
+    output: str = given.output("--output", required=True, help="PNG, SVG or PDF file.")
+    kind: str = given.option(required=True, type=click.Choice(KINDS), help="Which figure.")
+    assignments: tuple[tuple[str, float], ...] = given.parameters()
+    gravity: tuple[float, float, float] = given.gravity()
+    channel: str = given.option(default="tip_angle", help="Channel to draw.")
+    axes: str | None = given.option(
+        help="Parameters along the axes, comma separated.  [default: the first one or two]"
+    )
+    convention: str = given.convention()
+    scale: tuple[float, float] | None = given.option(
+        nargs=2,
+        type=float,
+        help="What the colours span at least, in the unit shown, so that figures compare.",
+    )
+
+
+@given.command("source", PlotOptions)
+def plot(source: str, options: PlotOptions) -> None:
+    """Draw a figure of SOURCE, a map or a recipe; its title is the answer.
+
+    \b
+    contour  which posture is best: a channel over two parameters
+    surface  the same as a landscape
+    curve    the same over one parameter; dots are a map's nodes
+    sphere   how far one posture is from tipping over under every gravity
+    polar    how far one posture may be tilted in each heading
+    robot    what one posture stands on, and over which edge it tips first
+
+    The channel is the tip-over angle unless --channel says sdg, height or another one.
+
+    \b
+    $ lutgen plot paper_two.h5 -o map.png --kind contour
+    """
+    check_outputs(options.force, options.output)
+    opened = given.open_source(source, options.allow_python)
+    recipe = opened if isinstance(opened, robots.Recipe) else opened.recipe
+    axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
+    if origin := given.posture_source(recipe, options.assignments):
+        given.log.info("parameters without a value: %s", origin)
+    with figures.on_sheet(options.size, options.style):
+        figure = figures.draw(
+            options.kind,
+            opened,
+            params=given.named_values(recipe, options.assignments),
+            axes=axes,
+            **entries(options, "gravity channel convention scale"),
+        )
+        figures.save(figure, options.output, force=options.force)
+    report = {
+        **entries(recipe, "robot=name digest"),
+        "source": source,
+        "kind": options.kind,
+        "figure": options.output,
+        "bytes": Path(options.output).stat().st_size,
+    }
+    show(report, silent, options.as_json)
+
+
+@dataclass(frozen=True)
+class ExploreOptions(given.RecipeOptions):
     output: str = given.output(required=True, help="The page, an HTML file.")
     force: bool = given.force()
 
 
 @dataclass(frozen=True)
 class PaperOptions:
-    output: str = option(
+    output: str = given.option(
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )
     force: bool = given.force()
     as_json: bool = given.as_json()
 
 
-@command("source", ExploreOptions)
+@given.command("source", ExploreOptions)
 def explore(source: str, options: ExploreOptions) -> None:
     """Write a page on which the robot of SOURCE is moved by hand.
 
@@ -44,16 +107,14 @@ def explore(source: str, options: ExploreOptions) -> None:
 
     suffix = Path(options.output).suffix.lower()
     if suffix not in ENDINGS:
-        raise InputError(
-            f"{options.output}: is no name of a page (got {suffix or 'no suffix'!r}); "
-            f"end it in {' or '.join(ENDINGS)}."
-        )
+        what, way_out = "is no name of a page", f"end it in {' or '.join(ENDINGS)}"
+        reject(options.output, what, repr(suffix or "no suffix"), way_out, InputError)
     check_outputs(options.force, options.output)
     if Path(source).is_dir():
         folder = devices.ExportFolder(source)
         recipe, answers = folder.recipe(), answers_of_export(folder)
     else:
-        recipe = open_recipe(source, options.allow_python)
+        recipe = given.open_recipe(source, options.allow_python)
         answers = answers_of_recipe(recipe)
     write_text(options.output, page_text(recipe, answers), force=options.force)
     report = {
@@ -66,7 +127,7 @@ def explore(source: str, options: ExploreOptions) -> None:
     show(report, silent, options.as_json)
 
 
-@command(None, PaperOptions)
+@given.command(None, PaperOptions)
 def paper(options: PaperOptions) -> None:
     """Reproduce the paper: its three simulations, figures and one page.
 
@@ -79,6 +140,6 @@ def paper(options: PaperOptions) -> None:
     """
     from lutgen.paper import write_report
 
-    page = str(write_report(options.output, lambda what: log.info("%s", what), options.force))
+    page = str(write_report(options.output, lambda what: given.log.info("%s", what), options.force))
     report = {"folder": options.output, "page": page}
     show(report, lambda report: [report["page"]], options.as_json)

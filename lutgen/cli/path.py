@@ -10,7 +10,7 @@ from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, figures, np, robots, searches
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.quantities import QUANTITIES
 
 PAPER, POINTS = "paper", 100
@@ -48,8 +48,7 @@ class Options(RunOptions):
     lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
-        default="sdg",
-        help="What control makes best: a channel, or a sum such as sdg+0.1*height.",
+        default="sdg", help="What control makes best: a channel, or a sum such as sdg+0.1*height."
     )
     convention: str = given.convention(
         "plane", "body", "Whether the path gives the attitude of the ground or that of the body."
@@ -81,8 +80,19 @@ def path(recipe: str, options: Options) -> None:
     runs = drives(robot, options)
     first, *_, last = [*runs, *runs]
     save_run(robot, {name: runs[name] for name in (first, last)}, table(robot, runs[last]), options)
+    ground = runs[last].path
+    report = {
+        **output.entries(robot, "robot=name length_unit"),
+        **output.entries(options, "terrain method objective convention lag"),
+        "points": len(ground.position),
+        "length": ground.distance[-1],
+        # What the path gives is the slope of the ground, or the attitude of the body on it.
+        **({"ground_tilt_deg": tilts(ground.gravity)} if options.convention == "plane" else {}),
+        "path": dict(zip("xyz", ground.position.T, strict=True)),
+        "runs": [run_entry(robot, name, run) for name, run in runs.items()],
+    }
     code = output.TIPS if runs[last].tips.any() else 0
-    output.show(path_report(robot, runs, options), path_lines, options.as_json, code)
+    output.show(report, path_lines, options.as_json, code)
 
 
 def check_run(options: RunOptions) -> None:
@@ -111,10 +121,8 @@ def drives(robot: "robots.Recipe", options: Options) -> "dict[str, searches.Driv
     start = given.posture_values(robot, options.assignments)
     rates = given.stored_values(robot, options.rates, "--rate")
     if options.no_control and (rates or options.speed is not None):
-        raise InputError(
-            "a shape that does not change has no rates (got --no-control with --rate or --speed); "
-            "leave one of them out"
-        )
+        what, got = "a shape that does not change has no rates", "--no-control with a rate or speed"
+        reject("--rate, --speed", what, got, "leave one of them out", InputError)
 
     def run(control: bool, headings: int | None) -> "searches.Drive":
         return searches.drive(
@@ -144,9 +152,8 @@ def open_terrain(terrain: str, turn: float, points: int | None = None) -> "searc
     if terrain == PAPER:
         ground = searches.paper_path(POINTS if points is None else points)
     elif points is not None:
-        raise InputError(
-            f"{terrain}: a file has the points that it has (got --points {points}); leave it out"
-        )
+        what = "a file has the points that it has"
+        reject(terrain, what, f"--points {points}", "leave it out", InputError)
     else:
         ground = searches.read_path(terrain)
     return searches.turned(ground, math.radians(turn)) if turn else ground
@@ -170,23 +177,6 @@ def table(recipe: "robots.Recipe", run: "searches.Drive") -> dict[str, Any]:
 def vector_columns(name: str, vectors: "Floats") -> dict[str, list[float]]:
     """Return the columns of vectors (p, 3)."""
     return {f"{name}{axis}": part for axis, part in zip("xyz", vectors.T.tolist(), strict=True)}
-
-
-def path_report(
-    recipe: "robots.Recipe", runs: "Mapping[str, searches.Drive]", options: Options
-) -> dict[str, Any]:
-    """Return what `--json` prints; null where a number is not finite."""
-    ground = next(iter(runs.values())).path
-    return {
-        **output.entries(recipe, "robot=name length_unit"),
-        **output.entries(options, "terrain method objective convention lag"),
-        "points": len(ground.position),
-        "length": ground.distance[-1],
-        # What the path gives is the slope of the ground, or the attitude of the body on it.
-        **({"ground_tilt_deg": tilts(ground.gravity)} if options.convention == "plane" else {}),
-        "path": dict(zip("xyz", ground.position.T, strict=True)),
-        "runs": [run_entry(recipe, name, run) for name, run in runs.items()],
-    }
 
 
 def run_entry(recipe: "robots.Recipe", name: str, run: "searches.Drive") -> dict[str, Any]:

@@ -15,7 +15,7 @@ from lutgen.cli import options as given
 from lutgen.cli.lazy import Axis, analysis, maps, np, proposals, robots
 from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
 from lutgen.cli.output import aligned, by_unit, entries, file_size, posture_text, show, unit_text
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
@@ -116,10 +116,8 @@ def new(kind: str | None, options: NewOptions) -> None:
         return
     if kind is None or options.output is None:
         missing = "a kind" if kind is None else "a file to write"
-        raise InputError(
-            f"lutgen new: needs {missing} (got none); write for example "
-            "`lutgen new wheels -o robot.toml`, or `lutgen new --list`."
-        )
+        way_out = "write for example `lutgen new wheels -o robot.toml`, or `lutgen new --list`"
+        reject("lutgen new", f"needs {missing}", "none", way_out, InputError)
     write_text(options.output, robots.start_recipe(kind), options.force)
     show(
         {"kind": kind, "recipe": options.output},
@@ -154,18 +152,13 @@ def check(recipe: str, options: RecipeOptions) -> None:
     """
     robot = open_recipe(recipe, options.allow_python)
     maps.require_standing(robot)
-    report = check_report(robot)
-    for warning in report["warnings"]:
+    warnings = [*proposals.recipe_doubts(robot), *home_warnings(robot)]
+    for warning in warnings:
         log.warning("%s", warning)
-    show(report, check_lines, options.as_json)
-
-
-def check_report(robot: "robots.Recipe") -> dict[str, Any]:
-    """Return what `--json` prints."""
     home = np.array(robot.home_params)
     _, com = robots.postures(robot, home[None])
     value_bytes = sum(1 if QUANTITIES[name].words else 4 for name in robot.channels)
-    return {
+    report = {
         **entries(robot, "name digest length_unit contacts=contact_names"),
         "kinds": Counter(contact.kind for contact in robot.contacts),
         "wheels": [wheel.contact for wheel in robot.wheels],
@@ -184,8 +177,9 @@ def check_report(robot: "robots.Recipe") -> dict[str, Any]:
         "file_bytes": robot.nodes * value_bytes,
         "seconds": round(maps.expected_seconds(robot), 3),
         "snapped": robot.snapped,
-        "warnings": [*proposals.recipe_doubts(robot), *home_warnings(robot)],
+        "warnings": warnings,
     }
+    show(report, check_lines, options.as_json)
 
 
 def home_warnings(robot: "robots.Recipe") -> Iterator[str]:

@@ -113,14 +113,8 @@ def info(map_file: str, options: InfoOptions) -> None:
             maps.verify(stability_map)
         except MapFileError as error:
             raise click.ClickException(str(error)) from error
-    report = info_report(stability_map) | ({"verified": True} if options.verify else {})
-    show(report, info_lines, options.as_json)
-
-
-def info_report(stability_map: "maps.StabilityMap") -> dict[str, Any]:
-    """Return what `--json` prints."""
     recipe, attributes = stability_map.recipe, stability_map.attributes
-    return {
+    report = {
         "title": str(attributes["title"]),
         "format": int(attributes["lutgen_format"]),
         "definition": int(attributes["lutgen_definition"]),
@@ -134,7 +128,9 @@ def info_report(stability_map: "maps.StabilityMap") -> dict[str, Any]:
         "channels": [channel_entry(stability_map, name) for name in stability_map.channels],
         "share_that_tips": maps.share_that_tips(stability_map),
         "recipe_sha256": str(attributes["recipe_sha256"]),
+        **({"verified": True} if options.verify else {}),
     }
+    show(report, info_lines, options.as_json)
 
 
 def channel_entry(stability_map: "maps.StabilityMap", name: str) -> dict[str, Any]:

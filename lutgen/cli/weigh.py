@@ -9,7 +9,7 @@ from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, analysis, np, robots, searches
 from lutgen.cli.options import Named, RecipeOptions, command, open_recipe, option
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
 GROUND = ("slope_deg", "heading_deg")
@@ -53,11 +53,27 @@ def weigh(recipe: str, options: Options) -> None:
     readings: list[analysis.Reading] = [*scale_readings(robot, options)]
     readings += tilt_readings(robot, options)
     if not readings:
-        raise InputError("--scales, --tilt: neither is given (got no file); give one of them.")
+        reject("--scales, --tilt", "neither is given", "no file", "give one of them", InputError)
     found = analysis.weigh(robot, readings)
     if options.output is not None:
         write_text(options.output, analysis.corrected(robot, found), options.force)
-    report = weigh_report(robot, readings, found) | {"keys": analysis.correction(robot, found)}
+    advice: dict[str, Any] | None = None
+    axes = zip("xyz", found.com_std, strict=True)
+    if found.advice is not None:
+        posture = output.by_unit(robot, np.array(found.advice.params))
+        known = output.entries(found.advice, "slope_deg heading_deg com_std")
+        advice = {"posture": posture, **known}
+    report = {
+        **output.entries(robot, "robot=name length_unit"),
+        "mass": found.mass if math.isfinite(found.mass_std) else None,
+        "mass_std": found.mass_std,
+        "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
+        **output.entries(found, "com_shift com_std"),
+        "com_open": [axis for axis, std in axes if std == math.inf],
+        "readings": [*residual_entries(readings, found)],
+        "next": advice,
+        "keys": analysis.correction(robot, found),
+    }
     output.show(report, weigh_lines, options.as_json)
 
 
@@ -65,26 +81,21 @@ def scale_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.W
     """Return the weighings of the file of scales."""
     if options.scales is None:
         return []
-    others = (*GROUND, *(p.name for p in robot.parameters))
+    contacts, others = robot.contact_names, (*GROUND, *(p.name for p in robot.parameters))
 
-    def check(source: str, names: list[str]) -> None:
-        scales = [name for name in names if {*name.split("+")} <= {*robot.contact_names}]
-        known = dict.fromkeys((*robot.contact_names, *scales, *others))
-        searches.check_columns(source, names, (), [*known])
-        if not scales:
-            raise InputError(
-                f"{source}: line 1 names no scale (got {','.join(names)}); name contacts: "
-                f"{', '.join(robot.contact_names)}."
-            )
+    def columns(names: list[str]) -> tuple[tuple[str, ...], list[str]]:
+        scales = [name for name in names if {*name.split("+")} <= {*contacts}]
+        return (), [*dict.fromkeys((*contacts, *scales, *others))]
 
-    rows, _ = searches.read_rows(options.scales, check, "there is no weighing", 1)
+    rows, _ = searches.read_rows(options.scales, columns, "there is no weighing", 1)
     scales = [name for name in rows if name not in others]
+    if not scales:
+        way_out = f"name contacts: {', '.join(contacts)}"
+        reject(options.scales, "line 1 names no scale", ",".join(rows), way_out, InputError)
     for name in scales:
         if (rows[name] < 0.0).any():
-            raise InputError(
-                f"{options.scales}: column {name}: a scale reads 0 kg or more (got "
-                f"{rows[name].min():g}); correct it."
-            )
+            what = f"column {name}: a scale reads 0 kg or more"
+            reject(options.scales, what, f"{rows[name].min():g}", "correct it", InputError)
     largest = max(float(rows[name].max()) for name in scales)
     accuracy = options.accuracy if options.accuracy is not None else SCALE * largest
     if not accuracy > 0.0:
@@ -101,12 +112,7 @@ def tilt_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Ti
     if options.tilt is None:
         return []
     known = (*GROUND, *(p.name for p in robot.parameters))
-    rows, _ = searches.read_rows(
-        options.tilt,
-        lambda source, names: searches.check_columns(source, names, GROUND, known),
-        "there is no tilt",
-        1,
-    )
+    rows, _ = searches.read_rows(options.tilt, lambda _: (GROUND, known), "there is no tilt", 1)
     accuracy = math.radians(options.angle_accuracy)
     return [analysis.Tipping(params, *ground, accuracy) for params, ground in poses(robot, rows)]
 
@@ -119,40 +125,23 @@ def poses(
         posture = [(p.name, float(rows[p.name][i])) for p in robot.parameters if p.name in rows]
         slope, heading = (math.radians(rows[key][i]) if key in rows else 0.0 for key in GROUND)
         if not 0.0 <= slope < math.radians(90.0):
-            raise InputError(
-                f"slope_deg: must lie from 0 to 90 (got {math.degrees(slope):g} in row {i + 1})."
-            )
+            got = f"{math.degrees(slope):g} in row {i + 1}"
+            reject("slope_deg", "must lie from 0 to 90", got, "correct it", InputError)
         yield tuple(given.posture_values(robot, tuple(posture)).tolist()), (slope, heading)
 
 
-def weigh_report(
-    robot: "robots.Recipe", readings: "list[analysis.Reading]", found: "analysis.Weighed"
-) -> dict[str, Any]:
-    """Return what `--json` prints; null where nothing is known."""
-    entries, rest = [], iter(found.residuals.tolist())
-    advice: dict[str, Any] | None = None
-    if found.advice is not None:
-        posture = output.by_unit(robot, np.array(found.advice.params))
-        known = output.entries(found.advice, "slope_deg heading_deg com_std")
-        advice = {"posture": posture, **known}
+def residual_entries(
+    readings: "list[analysis.Reading]", found: "analysis.Weighed"
+) -> Iterator[dict[str, Any]]:
+    """Return what a report says of each reading, and how far the result is from it."""
+    rest = iter(found.residuals.tolist())
     for one in readings:
         if isinstance(one, analysis.Weighing):
             for group, load in one.loads.items():
-                entries.append({"scale": "+".join(group), "kg": load, "residual_kg": next(rest)})
+                yield {"scale": "+".join(group), "kg": load, "residual_kg": next(rest)}
         else:
             residual = {"residual_deg": math.degrees(next(rest))}
-            entries.append(output.entries(one, "heading_deg slope_deg") | residual)
-    open_ = [axis for axis, std in zip("xyz", found.com_std, strict=True) if math.isinf(std)]
-    return {
-        **output.entries(robot, "robot=name length_unit"),
-        "mass": found.mass if math.isfinite(found.mass_std) else None,
-        "mass_std": found.mass_std,
-        "recipe_mass": math.fsum(link.mass for link in robot.links) or None,
-        **output.entries(found, "com_shift com_std"),
-        "com_open": open_,
-        "readings": entries,
-        "next": advice,
-    }
+            yield output.entries(one, "heading_deg slope_deg") | residual
 
 
 def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -175,15 +164,15 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     if report["com_open"]:
         yield "what is not determined moves as little as the readings need: level scales tell no"
         yield "height; weigh on a slope of 10 deg as well, or give --tilt"
-    table = [["reading", "value", "residual"]]
+    rows = [["reading", "value", "residual"]]
     for one in report["readings"]:
         if "scale" in one:
-            row = [one["scale"], cell(one["kg"], ".6g", " kg"), cell(one["residual_kg"], "+.2g")]
+            known = [one["scale"], cell(one["kg"], ".6g", " kg")]
         else:
             at = f"tips, heading {one['heading_deg']:g} deg"
-            row = [at, cell(one["slope_deg"], ".4g", " deg"), cell(one["residual_deg"], "+.2g")]
-        table.append(row)
-    yield from output.aligned(table)
+            known = [at, cell(one["slope_deg"], ".4g", " deg")]
+        rows.append([*known, cell(one.get("residual_kg", one.get("residual_deg")), "+.2g")])
+    yield from output.aligned(rows)
     advice = report["next"]
     if advice is not None and advice["com_std"] is not None:
         ground = f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg"

@@ -1,22 +1,28 @@
-"""Contour: which posture is best, over two parameters."""
+"""Contour: which posture is best, over two parameters, and the nodes of a search for it."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from lutgen.chart import unit_directions
 from lutgen.plot.disc import hatch_where
 from lutgen.plot.key import STAR, Scale, add_key
 from lutgen.plot.labels import angle, found_text, gravity_text, name_axis, named, quantity_text
 from lutgen.plot.plane import Plane
 from lutgen.plot.scene import draw_scene
-from lutgen.plot.style import BLACK, bare, colours, halo, ink_on, place
+from lutgen.plot.style import BLACK, bare, colours, halo, in_house_style, ink_on, place
 from lutgen.plot.view import View, is_sealed
 from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe
+from lutgen.search import Optimum
 from lutgen.vector import Floats
 
 # Where the best posture is, and its value, as shown.
@@ -25,6 +31,10 @@ Best = tuple[float, float, float]
 RIGHT = 6.55
 # Of the axes' width: labels of lines keep so far from each other, from the frame and from jumps.
 APART, INSIDE, AWAY = 0.06, 0.03, 0.035
+# One marker for each step; a search of more steps begins again.
+MARKERS = ("o", "s", "^", "D", "v", "P")
+# Room around the nodes, in spacings.
+ROOM = 0.5
 
 
 def draw_contour(view: View) -> Figure:
@@ -68,9 +78,8 @@ def plane_words(view: View, best: Best | None) -> tuple[str, str]:
     where, one = gravity_text(view.gravity_dir, view.convention), QUANTITIES[view.channel]
     what = "How far it can lean from there before it tips over"
     if view.channel != "tip_angle":
-        what = (
-            f"{one.label[0].upper()}{one.label[1:]}: {'small' if one.sign > 0 else 'large'} is good"
-        )
+        good = "small" if one.sign > 0 else "large"
+        what = f"{one.label[0].upper()}{one.label[1:]}: {good} is good"
     note = f"{named(view.recipe, view.params, view.axes, where)}\n{what}."
     if best is None:
         return f"Tips over in every posture, {where}", note
@@ -146,3 +155,37 @@ def _spot(piece: Floats, taken: Floats, avoid: Any) -> tuple[Floats, float] | No
         return None
     slope = math.degrees(math.atan2(ahead[at][1], ahead[at][0]))
     return piece[at], (slope + 90.0) % 180.0 - 90.0
+
+
+@in_house_style
+def draw_steps(recipe: Recipe, found: Optimum, gravity: ArrayLike, steps: Sequence[int]) -> Figure:
+    """Return the nodes of some steps of a search over the contours of its objective.
+
+    `found` is of a robot with two parameters, of the method `search` and one channel, under
+    `gravity` (3,); `steps` count from 0, and the figure covers their nodes.
+    """
+    nodes = np.concatenate([found.trace[step].nodes for step in steps])
+    window = []
+    for i, parameter in enumerate(recipe.parameters):
+        spots = np.unique(found.trace[steps[0]].nodes[:, i].round(12))
+        room = ROOM * np.diff(spots).max(initial=0.0)
+        ends = nodes[:, i].min() - room, nodes[:, i].max() + room
+        window.append(replace(parameter, minimum=float(ends[0]), maximum=float(ends[1])))
+    near, down = replace(recipe, parameters=tuple(window)), unit_directions(np.asarray(gravity))
+    view = View(near, None, nodes[0], down, found.objective, (0, 1), found.convention)
+    figure = draw_contour(view)
+    axes = figure.axes[0]
+    # The best of the search is marked instead.
+    for star in [line for line in axes.get_lines() if line.get_label() == "best"]:
+        star.remove()
+    for order, step in enumerate(steps):
+        at, smaller = found.trace[step], min(order, 3)
+        places = [p.shown(at.nodes[:, i]) for i, p in enumerate(recipe.parameters)]
+        (marks,) = axes.plot(*places, linestyle="none", marker=MARKERS[order % len(MARKERS)])
+        marks.set(markersize=8 - smaller, markerfacecolor="white", markeredgecolor=BLACK)
+        marks.set(zorder=5 + 0.1 * order, clip_on=False, label=f"nodes of step {step + 1}")
+        best = [[float(p.shown(at.params[i]))] for i, p in enumerate(recipe.parameters)]
+        axes.plot(*best, **STAR | {"markersize": 20 - 3 * smaller, "zorder": 9 + 0.1 * order})
+    words = f"searched in {found.trace[steps[-1]].evaluations} evaluations"
+    figure.texts[1].set_text(f"{figure.texts[1].get_text()} {words.capitalize()}.")
+    return figure

@@ -8,15 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from lutgen.plot import labels
 from lutgen.plot.key import STAR
-from lutgen.plot.labels import (
-    channel_label,
-    found_text,
-    gravity_text,
-    name_axis,
-    named,
-    quantity_text,
-)
 from lutgen.plot.style import colours, halo
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
@@ -41,13 +34,13 @@ def draw_curve(view: View) -> Figure:
     y[np.abs(y) < noise] = 0.0
     best = optimum(view.channel, np.where(tips, np.nan, y))
     ends, parameter = (float(shown[0]), float(shown[-1])), view.parameter(0)
-    where = gravity_text(view.gravity_dir, view.convention)
+    where = labels.gravity_text(view.gravity_dir, view.convention)
     good = "Small is good." if QUANTITIES[view.channel].sign > 0 else "Large is good."
-    note, found = f"{named(view.recipe, view.params, view.axes, where)} {good}", ""
+    note, found = f"{labels.named(view.recipe, view.params, view.axes, where)} {good}", ""
     sentence = f"Tips over in every posture, {where}"
     if best is not None:
-        value = quantity_text(view.recipe, view.channel, float(y[best]))
-        found = found_text(parameter, float(shown[best]), ends)
+        value = labels.quantity_text(view.recipe, view.channel, float(y[best]))
+        found = labels.found_text(parameter, float(shown[best]), ends)
         name = QUANTITIES[view.channel].symbol
         sentence = f"Best at {found}: {name} {value}"
         sentence = f"At {found} it is {value} from tipping over" if name[0] == "t" else sentence
@@ -57,10 +50,10 @@ def draw_curve(view: View) -> Figure:
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
     room = 0.12 * (high - low) or max(abs(high), 1e-6)
     axes.set_ylim(0.0 if 0.0 <= low <= 0.3 * high else low - room, high + room)
-    name_axis(axes.xaxis, parameter, ends, 80)
+    labels.name_axis(axes.xaxis, parameter, ends, 80)
     axes.set_xlim(*ends)
     axes.tick_params(axis="x", pad=9)
-    name = channel_label(view.recipe, view.channel)
+    name = labels.channel_label(view.recipe, view.channel)
     axes.text(0.0, 1.03, name, transform=axes.transAxes, va="bottom")
     _nodes(axes, view)
     _shade(axes, shown, tips)

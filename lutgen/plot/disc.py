@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt, minimum_filter
 
 from lutgen.analysis import tilted
@@ -18,9 +18,7 @@ from lutgen.plot.painter import Camera, paint
 from lutgen.plot.solids import solids_of
 from lutgen.plot.style import bare, colours, halo, ink_on
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats
-
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats
 
 # The ray (deg of heading) along which lines are labelled: right side down, a little to the nose.
 LABELLED = 278.0

@@ -18,7 +18,7 @@ from lutgen.errors import InputError, suggestion
 from lutgen.mapping import StabilityMap
 from lutgen.plot.contour import draw_contour
 from lutgen.plot.curve import draw_curve
-from lutgen.plot.robot import draw_robot
+from lutgen.plot.scene import draw_robot
 from lutgen.plot.sphere import draw_sphere
 from lutgen.plot.style import in_house_style
 from lutgen.plot.surface import draw_surface

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from lutgen.plot.labels import channel_label, given
+from lutgen.plot.labels import channel_label, folded, given
 from lutgen.plot.style import ANGLES, BLACK, FACTOR, TOP, colours, place
 from lutgen.plot.view import View
-from lutgen.plot.words import folded
 from lutgen.quantities import QUANTITIES
 from lutgen.vector import Floats
 

@@ -1,24 +1,27 @@
-"""Labels: names, numbers and angles in words.
+"""Labels: names, numbers and angles in words, and words in lines.
 
 Angles that were computed are whole degrees, rounded down, so that what is printed holds.
 """
 
 import math
 import re
+import textwrap
 import unicodedata
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
 from lutgen.analysis import FOUR, rounded_down
 from lutgen.parts import Parameter
-from lutgen.plot.words import folded
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
+# What is not broken.
+_FORMULA = re.compile(r"(?<!\\)\$.*?(?<!\\)\$")
 GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
     *("mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
@@ -28,6 +31,33 @@ HEADINGS = {round(math.degrees(heading)) % 360: name for name, heading in FOUR.i
 DEGREE, MINUS, DIMENSIONLESS = "\N{DEGREE SIGN}", "\N{MINUS SIGN}", "\N{EN DASH}"
 COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 NAMES = {"disc": "wheels", "point": "feet", "sphere": "balls"}
+
+
+def folded(text: str, longest: int) -> str:
+    r"""Return a text in lines of at most so many characters, where a formula counts as one.
+
+    Longer words are cut.
+
+    Examples
+    --------
+    >>> folded("front left wheel", 11)
+    'front left\nwheel'
+    """
+    short, formulas = _FORMULA.sub("\0", text), iter(_FORMULA.findall(text))
+    lines = [textwrap.wrap(line, longest, break_on_hyphens=False) for line in short.split("\n")]
+    whole = "\n".join("\n".join(line) for line in lines)
+    return re.sub("\0", lambda _: next(formulas), whole)
+
+
+def fit(text: Text, width: float, lengths: Sequence[int]) -> None:
+    """Fold a text of a figure into lines of at most `width` inches, trying `lengths` of letters."""
+    words, figure = text.get_text(), text.get_figure(root=True)
+    canvas: Any = figure.canvas if figure is not None else None
+    for longest in lengths:
+        text.set_text(folded(words, longest))
+        box = text.get_window_extent(canvas.get_renderer())
+        if max(box.width, 0.0) <= width * canvas.figure.dpi:
+            return
 
 
 def plain(name: str) -> str:

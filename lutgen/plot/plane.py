@@ -4,16 +4,13 @@ A step between two neighbours is a jump if it stays whole as the cell is halved 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 from scipy.spatial import cKDTree
 
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
-from lutgen.vector import Floats
-
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats
 
 CELLS, FINER = 180, 6
 # What is left of a step after so many halvings, in degrees: contours end from BREAK on, and a line
@@ -179,9 +176,8 @@ class Plane:
         spans = [float(np.ptp(self.fx)), float(np.ptp(self.fy))]
         far = np.hypot(*np.meshgrid(self.fx / spans[0], self.fy / spans[1]))
         inside = depth >= INSIDE * depth.max()
-        row, column = np.unravel_index(
-            int(np.argmin(np.where(inside, far, np.inf))), self.big.shape
-        )
+        nearest = int(np.argmin(np.where(inside, far, np.inf)))
+        row, column = np.unravel_index(nearest, self.big.shape)
         return float(self.fx[column]), float(self.fy[row]), float(self.big[row, column])
 
 

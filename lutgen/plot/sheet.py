@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 STYLES = ("journal", "slides", "dark")
 INCH = 25.4
@@ -44,19 +44,18 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     A figure keeps its shape: with a height it is as large as fits.
     """
     if style not in STYLES:
-        raise InputError(f"unknown style (got {style!r}); use {', '.join(STYLES)}")
+        reject("style", "unknown style", repr(style), f"use {', '.join(STYLES)}", InputError)
     width = height = None
     if size is not None:
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?", size.strip())
         if found is None:
-            raise InputError(f"a size is WIDTH or WIDTHxHEIGHT in mm (got {size!r}); try 85")
+            what = "must be WIDTH or WIDTHxHEIGHT in mm"
+            reject("size", what, repr(size), "try 85", InputError)
         width, height = (None if part is None else float(part) for part in found.groups())
         for part in (width, height):
             if part is not None and not NARROWEST <= part <= WIDEST:
-                raise InputError(
-                    f"a figure is {NARROWEST:g} to {WIDEST:g} mm wide and high (got {part:g}); "
-                    "85 mm is a column of a journal"
-                )
+                what = f"a figure is {NARROWEST:g} to {WIDEST:g} mm wide and high"
+                reject("size", what, f"{part:g}", "85 mm is a column of a journal", InputError)
     token = _sheet.set(Sheet(width, height, style))
     try:
         yield

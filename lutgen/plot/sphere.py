@@ -1,35 +1,41 @@
-"""Sphere: how far a posture is from tipping over under every gravity."""
+"""Sphere: how far a posture is from tipping over under every gravity, or one robot in three."""
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lutgen.errors import InputError
+from lutgen.analysis import Posture, posture_limits
+from lutgen.errors import InputError, reject
 from lutgen.plot import disc
 from lutgen.plot.key import Scale
 from lutgen.plot.labels import angle, named, quantity_text
-from lutgen.plot.style import BLACK, bare, colours, halo, place
+from lutgen.plot.scene import draw_scene
+from lutgen.plot.style import BLACK, bare, colours, halo, in_house_style, new_figure, place
 from lutgen.plot.view import View, is_sealed, optimum
 from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
 PIXELS = 801
 # Rocking is named from this share of the disc on.
 NAMED = 0.002
-DOWN = (0.0, 0.0, -1.0)
+DOWN = np.array([0.0, 0.0, -1.0])
+# Inches: the page, a picture, a disc, and from one posture to the next.
+SIZE, SCENE, PLATE, STEP = (8.0, 3.5), (2.5, 1.42), 1.55, 2.62
+NOTE = "Discs: every direction of gravity, nose down at the top. Bright: far from tipping over."
 
 
 def draw_sphere(view: View) -> Figure:
     """Return the figure: one disc of equal areas, to its rim upside down if it stands beyond 90."""
     chart, sealed = view.recipe.chart, is_sealed(view.recipe)
     if sealed and chart.nodes == 1:
-        raise InputError(
-            f"plot: the chart of {view.recipe.name} is a single gravity direction (got "
-            "nodes = 1); sweep more nodes, or draw the kinds curve, contour or surface."
-        )
+        what = f"the chart of {view.recipe.name} is a single gravity direction"
+        way_out = "sweep more nodes, or draw the kinds curve, contour or surface"
+        reject("plot", what, "nodes = 1", way_out, InputError)
     rim = math.degrees(chart.max_tilt) if sealed and chart.kind == "cone" else 90.0
     if chart.kind == "sphere":
         up = chart.directions().reshape(-1, 3)
@@ -42,10 +48,9 @@ def draw_sphere(view: View) -> Figure:
     scale = Scale(view, np.where(tips == 0.0, values, np.nan))
     sentence = _sentence(view, np.where(tips == 0.0, values, np.nan))
     good = "Bright: far from tipping over" if view.channel == "tip_angle" else "Bright is good"
-    note = (
-        f"{named(view.recipe, view.params)}\nMiddle: body level; the further out, the more it is "
-    )
-    figure, axes = view.page(6.6, (0.02, 0.2, 6.55, 6.4), sentence, f"{note}tilted. {good}.")
+    where = "Middle: body level; the further out, the more it is tilted"
+    note = f"{named(view.recipe, view.params)}\n{where}. {good}."
+    figure, axes = view.page(6.6, (0.02, 0.2, 6.55, 6.4), sentence, note)
     disc.colour_disc(axes, line, values, tips, scale)
     disc.name_headings(axes)
     disc.name_lines(axes, values, scale)
@@ -91,10 +96,8 @@ def _name_level(axes: Axes, view: View) -> None:
         value = float(QUANTITIES[view.channel].shown(found[view.channel][0]))
         plate = {"boxstyle": "round,pad=0.22", "facecolor": "white", "edgecolor": "none"}
         words = f"level {quantity_text(view.recipe, view.channel, value)}"
-        text = axes.text(
-            -0.06, 0.0, words, ha="right", va="center", size=10, color=BLACK, bbox=plate
-        )
-        text.set_zorder(8)
+        text = axes.text(-0.06, 0.0, words, ha="right", va="center", size=10, bbox=plate)
+        text.set(color=BLACK, zorder=8)
 
 
 def _sentence(view: View, values: Floats) -> str:
@@ -116,3 +119,52 @@ def _sentence(view: View, values: Floats) -> str:
         return f"Level, it tips over; at best it is {angle(most)} from that"
     more = f"{angle(most)} at best" if most > tip + 1.0 else "and less where it leans"
     return f"Level, it is {angle(tip)} from tipping over, {more}"
+
+
+@in_house_style
+def draw_hero(recipe: Recipe, postures: Mapping[str, Sequence[float]], title: str) -> Figure:
+    """Draw a robot on level ground in three postures, with its disc of tip-over angles.
+
+    `postures` are (k,), rad or length, by what they are called; `title` is the question that the
+    figure answers.
+    """
+    figure, scenes = new_figure(SIZE), []
+    figure.text(0.025, 0.965, title, size=15, weight="bold", va="top")
+    words = figure.text(0.025, 0.885, f"{NOTE} Hatched: tips over.", size=9.5, va="top")
+    words.set_color(colours().soft)
+    for n, (name, params) in enumerate(postures.items()):
+        view = View(recipe, None, np.asarray(params), DOWN, "tip_angle", convention="plane")
+        down, left = view.in_bodies(view.params[None], DOWN[None])[0, 0], 0.12 + n * STEP
+        axes = bare(place(figure, (left, 1.62, *SCENE)))
+        scene = draw_scene(axes, recipe, params, down, 0.6)
+        scenes.append((axes, scene))
+        _disc(place(figure, (left + 0.02, 0.06, PLATE, PLATE)), view)
+        x, tip = (left + PLATE + 0.09) / SIZE[0], math.degrees(scene.state.channels["tip_angle"])
+        figure.text(x, 0.93 / SIZE[1], angle(tip), size=27, weight="bold", va="center")
+        text = figure.text(x, 0.68 / SIZE[1], name, size=9.5, va="top", linespacing=1.25)
+        text.set_color(colours().soft)
+    # One scale and one ground.
+    sizes = np.array([scene.high - scene.low for _, scene in scenes])
+    half = 0.515 * np.array(SCENE) * float((sizes / SCENE).max())
+    for axes, scene in scenes:
+        x, low = float((scene.low + scene.high)[0]) / 2.0, float(scene.low[1])
+        axes.set(xlim=(x - half[0], x + half[0]), ylim=(low, low + 2.0 * half[1]))
+    return figure
+
+
+def _disc(axes: Axes, view: View) -> None:
+    """Draw the tip-over angle under every gravity, and the worst heading in red."""
+    line, inside, down = disc.raster(500, 90.0)
+    body = View(view.recipe, None, view.params, DOWN, "tip_angle")
+    angle = body.exact(view.params, down, "tip_angle")["tip_angle"]
+    values = disc.filled(inside, np.degrees(angle))
+    tips = np.where(inside, values < 0.0, np.nan)
+    disc.colour_disc(axes, line, values, tips, Scale(body, values))
+    worst = posture_limits(Posture(view.recipe, view.params), "body").worst
+    if math.isfinite(worst.heading):
+        tilt = disc.spread(math.degrees(worst.tilt), 90.0)
+        x, y = disc.at(math.degrees(worst.heading), tilt)
+        for width, colour in ((3.4, "white"), (1.8, colours().red)):
+            axes.plot([0.0, x], [0.0, y], color=colour, linewidth=width, zorder=6)
+        axes.plot([x], [y], "o", color=colours().red, ms=5, mec="white", mew=0.8, zorder=7)
+    axes.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03))

@@ -1,4 +1,4 @@
-"""Style: colours and pages of all figures, and how a figure becomes a file.
+"""Style: colours, letters and pages of all figures, and how a figure becomes a file.
 
 Lengths on a page are inches of a sheet 8 in wide.  A program's own matplotlib settings are neither
 read nor changed.
@@ -6,16 +6,20 @@ read nor changed.
 
 import functools
 import io
+import logging
 import os
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib.style
 import numpy as np
-from matplotlib import colormaps
+from matplotlib import colormaps, font_manager
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
@@ -24,12 +28,22 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.files import write_bytes
-from lutgen.plot.fonts import families, said_once
+from lutgen.plot.labels import fit
 from lutgen.plot.sheet import resize, sheet
-from lutgen.plot.words import fit
 
+log = logging.getLogger("lutgen")
+
+# DejaVu comes with matplotlib; the others are asked for letters that it lacks, if installed.
+KNOWN = (
+    *("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC"),
+    *("Noto Sans JP", "Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei"),
+    *("IPAGothic", "Unifont", "Droid Sans Fallback", "PingFang SC", "Hiragino Sans"),
+    *("Apple SD Gothic Neo", "Microsoft YaHei", "Yu Gothic", "Malgun Gothic", "Arial Unicode MS"),
+    *("Noto Sans Devanagari", "Noto Sans Thai", "Noto Sans Bengali", "Noto Sans Tamil"),
+)
+_MISSING = re.compile(r"Glyph (\d+) .* missing from")
 P = ParamSpec("P")
 
 HERE = Path(__file__).parent
@@ -42,6 +56,35 @@ METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None, "Creator": "lutgen"},
     ".pdf": {"CreationDate": None, "Creator": "lutgen", "Producer": "lutgen"},
 }
+
+
+@cache
+def families() -> tuple[str, ...]:
+    """Return the fonts to take letters from, the first that has one."""
+    installed = {font.name for font in font_manager.fontManager.ttflist}
+    return tuple(name for name in KNOWN if name in installed)
+
+
+@contextmanager
+def said_once() -> Iterator[None]:
+    """Say in one sentence which letters no font has, whatever is drawn within a with block."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    missing = set()
+    for warning in caught:
+        if found := _MISSING.search(str(warning.message)):
+            missing.add(chr(int(found[1])))
+        else:
+            place = (warning.filename, warning.lineno)
+            warnings.warn_explicit(warning.message, warning.category, *place)
+    if missing:
+        letters = "".join(sorted(missing))
+        log.warning(
+            "no font here has the letters %s, which are drawn as boxes; install one that has, such "
+            "as Noto Sans CJK",
+            letters if len(letters) < 20 else f"{letters[:20]}...",
+        )
 
 
 @dataclass(frozen=True)
@@ -121,9 +164,8 @@ def page(height: float, sentence: str, note: str) -> Figure:
     """
     figure, lines = new_figure((WIDTH, height)), []
     title = figure.text(0.03, 1.0, sentence, size=15, weight="bold", va="top")
-    below = figure.text(
-        0.03, 1.0, note, size=10.5, va="top", color=colours().soft, linespacing=1.35
-    )
+    below = figure.text(0.03, 1.0, note, size=10.5, va="top", linespacing=1.35)
+    below.set_color(colours().soft)
     for text, longest in ((title, 66), (below, 104)):
         fit(text, 0.94 * WIDTH, range(longest, 16, -6))
         lines.append(text.get_text().count("\n") + 1)
@@ -166,10 +208,8 @@ def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) 
     suffix = Path(path).suffix.lower()
     *most, last = known
     if suffix not in (*most, last):
-        raise InputError(
-            f"{path}: unknown kind of {kind} (got {suffix or 'no suffix'!r}); "
-            f"end the name in {', '.join(most)} or {last}."
-        )
+        way_out = f"end the name in {', '.join(most)} or {last}"
+        reject(path, f"unknown kind of {kind}", repr(suffix or "no suffix"), way_out, InputError)
     return suffix
 
 

@@ -52,11 +52,7 @@ def draw_polar(view: View) -> Figure:
 
 @in_house_style
 def draw_limits(
-    recipe: Recipe,
-    posture: PostureLimits,
-    swept: SweepLimits | None = None,
-    *,
-    worst: bool = True,
+    recipe: Recipe, posture: PostureLimits, swept: SweepLimits | None = None, *, worst: bool = True
 ) -> Figure:
     """Draw the largest tilt of the body before it tips over in each heading.
 
@@ -152,9 +148,8 @@ class _Chart:
         for spot in self.names:
             clear &= np.hypot((x - spot[0]) / 2.0, y - spot[1]) > 0.09
         disc.write_in(axes, clear, "stands", look.pale, look.blue)
-        disc.write_in(
-            axes, (radius < 1.0) & (radius > limit) & (radius > 0.25), "tips over", look.wash
-        )
+        beyond = (radius < 1.0) & (radius > limit) & (radius > 0.25)
+        disc.write_in(axes, beyond, "tips over", look.wash)
         for heading, name in HEADINGS.items():
             near = bool(_apart(heading, self.heading) < 8.0)
             tilt = self.least if near else float(self.exact[round(heading / FINE)])

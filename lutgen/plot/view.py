@@ -94,10 +94,8 @@ class View:
 
     def rocks(self, directions: Floats) -> NDArray[np.bool_]:
         """Tell where the figure's posture rocks between rests, (d,); False if it is not known."""
-        stability_map = self.stability_map
-        if is_sealed(self.recipe) and (
-            stability_map is None or "status" not in stability_map.channels
-        ):
+        stored = () if self.stability_map is None else self.stability_map.channels
+        if is_sealed(self.recipe) and "status" not in stored:
             return np.zeros(len(directions), np.bool_)
         return np.asarray(self.exact(self.params, directions, "status")["status"] == ROCKS)
 

@@ -14,7 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, readable, reject, suggestion
+from lutgen.errors import LutgenError, RecipeError, readable, reject, suggestion
 from lutgen.recipe.schema import PATTERNS, File
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -93,14 +93,14 @@ def read_text(path: str | os.PathLike[str]) -> str:
     return utf8(raw, source)
 
 
-def utf8(raw: bytes, source: str) -> str:
-    """Return bytes as text, without a byte order mark; RecipeError has the line of a fault."""
+def utf8(raw: bytes, source: str, kind: type[LutgenError] = RecipeError) -> str:
+    """Return bytes as text, without a byte order mark; the error has the line of a fault."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         what = f"line {line} is not UTF-8"
-        reject(source, what, f"byte 0x{raw[error.start]:02x}", "save the file as UTF-8")
+        reject(source, what, f"byte 0x{raw[error.start]:02x}", "save the file as UTF-8", kind)
 
 
 def read_tables(text: str, source: str, model: type[Model]) -> Model:

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import body_gravity, evaluate_each
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
 from lutgen.search.objective import Objective
 from lutgen.search.optima import optimum, searched_each
-from lutgen.search.terrain import Floats, Path, turned
+from lutgen.search.terrain import Path, turned
+from lutgen.vector import Floats
 
 DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
 # No value is within this limit, so that a search does not look for acceptable ranges.
@@ -102,10 +103,8 @@ def drive(
     0.22
     """
     if control and not recipe.parameters:
-        raise InputError(
-            f"{recipe.source}: the robot has no geometry parameter to control (got none); drive it "
-            "without control (--no-control)"
-        )
+        what = "the robot has no geometry parameter to control"
+        reject(recipe.source, what, "none", "drive it without control (--no-control)", InputError)
     middle = [(p.minimum + p.maximum) / 2.0 for p in recipe.parameters]
     start = np.array(middle if params0 is None else params0, dtype=np.float64)
     fastest = _rates(recipe, rates, speed)
@@ -176,19 +175,17 @@ def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | Non
     if not rates and speed is None:
         return None
     if not rates or speed is None:
-        raise InputError(
-            f"limited rates need a speed, and a speed needs rates (got rates {dict(rates or {})}, "
-            f"speed {speed}); give both or none"
-        )
+        what = "limited rates need a speed, and a speed needs rates"
+        got = f"rates {dict(rates or {})}, speed {speed}"
+        reject(recipe.source, what, got, "give both or none", InputError)
     names = [p.name for p in recipe.parameters]
     for name, rate in rates.items():
         if name not in names:
-            raise InputError(
-                f"{recipe.source}: there is no parameter {name!r} to limit (got the rate {rate:g})"
-                f"; it has {', '.join(names) or 'none'}"
-            )
+            what, got = f"there is no parameter {name!r} to limit", f"the rate {rate:g}"
+            reject(recipe.source, what, got, f"it has {', '.join(names) or 'none'}", InputError)
         if not rate >= 0.0:
-            raise InputError(f"the rate of {name} must be 0 or more (got {rate:g}); turn its sign")
+            what = f"the rate of {name} must be 0 or more"
+            reject(recipe.source, what, f"{rate:g}", "turn its sign", InputError)
     return np.array([rates.get(name, math.inf) for name in names]) / speed
 
 

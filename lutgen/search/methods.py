@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.bracket import halve
+from lutgen.vector import Bools, Floats
 
-Floats = NDArray[np.float64]
 # Takes (m, k) points and returns (m,) costs.
 Cost = Callable[[Floats], Floats]
 
@@ -69,25 +68,19 @@ def smallest_node(cost: Cost, blocks: Iterator[Floats]) -> list[Step]:
     return [replace(best_node, evaluations=seen) for best_node in steps[-1:]]
 
 
-def refine(cost: Cost, bounds: Floats, levels: int = LEVELS, ends: str = "left") -> list[Step]:
-    """Refine a mesh of 5 nodes a side around the best node, as the paper's search does.
+def refine(
+    cost: Cost, bounds: Floats, count: int = 1, levels: int = LEVELS, ends: str = "left"
+) -> list[list[Step]]:
+    """Refine meshes of 5 nodes a side around the best node, as the paper's search does.
 
     The interval, `bounds` (k, 2) at first, is cut into 5 equal cells, of which each gives its left
     or right end as a node, moved onto the bounds where it is beyond; the next interval is the best
     node +- the spacing.  So the spacing shrinks to 2/5 in each level of 5^k evaluations, the
     best node of the level before is dropped with left ends as with right ones, and the search is
     not monotone: its last value may be worse than one seen before.
-    """
-    return refine_each(lambda nodes: cost(nodes[0])[None], bounds, 1, levels, ends)[0]
 
-
-def refine_each(
-    cost: Cost, bounds: Floats, count: int, levels: int = LEVELS, ends: str = "left"
-) -> list[list[Step]]:
-    """Return the steps of `refine` for each of n costs at once.
-
-    `cost` takes meshes (n, 5^k, k) and returns what the i-th cost has on the i-th mesh (n, 5^k);
-    `count` is n.
+    `cost` takes meshes (n, 5^k, k) of n = `count` searches, and returns what the i-th has on the
+    i-th mesh (n, 5^k); the steps of each are returned.
     """
     low, width = np.tile(bounds[:, 0], (count, 1)), np.tile(np.ptp(bounds, axis=1), (count, 1))
     first = 0 if ends == "left" else 1
@@ -146,9 +139,8 @@ def nelder_mead(
         "fatol": np.inf,
         "maxfev": EVALUATIONS * k,
     }
-    found = minimize(
-        one, first, method="Nelder-Mead", bounds=[(0.0, 1.0)] * k, callback=note, options=options
-    )
+    how = {"method": "Nelder-Mead", "bounds": [(0.0, 1.0)] * k, "options": options}
+    found = minimize(one, first, callback=note, **how)
     steps.append(Step(low + np.asarray(found.x) * width, float(found.fun), seen, none))
     return steps
 
@@ -232,7 +224,7 @@ def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> 
         return result
     for axis, side in np.ndindex(result.shape):
 
-        def exceeds(values: Floats, axis: int = axis) -> NDArray[np.bool_]:
+        def exceeds(values: Floats, axis: int = axis) -> Bools:
             rows = np.tile(best, (len(values), 1))
             rows[:, axis] = values
             return ~(cost(rows) <= limit)

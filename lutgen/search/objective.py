@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_each
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.quantities import QUANTITIES, RANKED, UNLOADED
 from lutgen.recipe import Recipe
 
@@ -67,15 +67,13 @@ class Objective:
     def __post_init__(self) -> None:
         self.weights = parse_objective(self.text)
         if self.convention not in CONVENTIONS:
-            raise InputError(
-                f"unknown convention {self.convention!r}; choose from {', '.join(CONVENTIONS)}"
-            )
+            known = ", ".join(CONVENTIONS)
+            raise InputError(f"unknown convention {self.convention!r}; choose from {known}")
         undefined = [name for name in UNLOADED if name in self.weights]
         if self.recipe.loaded and undefined:
-            raise InputError(
-                f"{self.recipe.source}: {undefined[0]} is not defined under a force or with "
-                f"com_uncertainty (got the objective {self.text!r}); use margin or tip_angle"
-            )
+            what = f"{undefined[0]} is not defined under a force or with com_uncertainty"
+            way_out = "use margin or tip_angle"
+            reject(self.recipe.source, what, f"the objective {self.text!r}", way_out, InputError)
         self.gravity = checked_directions(self.gravity)[0]
 
     def cost(self, params: ArrayLike, gravity: ArrayLike | None = None) -> NDArray[np.float64]:

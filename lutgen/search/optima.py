@@ -7,17 +7,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
 from lutgen.channels import checked_directions
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
 from lutgen.search import methods
-from lutgen.search.methods import LEVELS, Floats, Step, acceptable_range, half_widths
+from lutgen.search.methods import LEVELS, Step, acceptable_range, half_widths
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
+from lutgen.vector import Bools, Floats
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
@@ -112,7 +113,7 @@ def optimum(
     if method == "map":
         steps = methods.smallest_node(cost, _nodes(recipe, space))
     elif method == "search":
-        steps = methods.refine(cost, space.box, levels, ends)
+        steps = methods.refine(lambda nodes: cost(nodes[0])[None], space.box, 1, levels, ends)[0]
     elif method == "nelder-mead":
         steps = methods.nelder_mead(cost, space.box, begin)
     else:
@@ -130,11 +131,9 @@ def optimum(
         acceptable[space.free] = found * space.factor[:, None]
         delta[space.free] = half_widths(found, best.params, space.box) * space.factor
     trace = tuple(_named(step, goal, space) for step in steps)
-    shown, standing = _named(best, goal, space), best.value < TIPS
-    asked = (method, objective, convention)
-    return Optimum(
-        shown.params, shown.value, standing, evaluations, trace, acceptable, delta, *asked
-    )
+    shown = _named(best, goal, space)
+    seen = (shown.params, shown.value, best.value < TIPS, evaluations, trace)
+    return Optimum(*seen, acceptable, delta, method, objective, convention)
 
 
 def searched_each(
@@ -166,7 +165,7 @@ def searched_each(
             found = goal.cost(rows, np.repeat(some, nodes.shape[1], axis=0))
             return found.reshape(nodes.shape[:2])
 
-        for i, steps in enumerate(methods.refine_each(cost, space.box, len(some), levels, ends)):
+        for i, steps in enumerate(methods.refine(cost, space.box, len(some), levels, ends)):
             best = min(steps, key=lambda step: step.value)
             params[begin + i] = space.params(best.params[None, :])[0]
             costs[begin + i] = best.value
@@ -195,7 +194,7 @@ class _Space:
 
     box: Floats
     factor: Floats
-    free: NDArray[np.bool_]
+    free: Bools
     whole: Floats
 
     @property
@@ -221,21 +220,16 @@ def _space(recipe: Recipe, bounds: ArrayLike | None, method: str) -> _Space:
     box = np.array(ranges if bounds is None else bounds, dtype=np.float64)
     box = box.reshape(-1, 2) if bounds is None else box
     if box.shape != (count, 2) or not np.isfinite(box).all():
-        raise InputError(
-            f"{recipe.source}: bounds must be finite and have the shape ({count}, 2) (got "
-            f"{np.asarray(bounds).tolist()}); give a lowest and a highest value for each parameter"
-        )
+        what = f"bounds must be finite and have the shape ({count}, 2)"
+        way_out = "give a lowest and a highest value for each parameter"
+        reject(recipe.source, what, np.asarray(bounds).tolist(), way_out, InputError)
     if not (box[:, 0] <= box[:, 1]).all():
-        raise InputError(
-            f"{recipe.source}: no lower bound may be above the upper one (got {box.tolist()}); "
-            "swap them"
-        )
+        what = "no lower bound may be above the upper one"
+        reject(recipe.source, what, box.tolist(), "swap them", InputError)
     free = box[:, 0] < box[:, 1]
     if not free.any():
-        raise InputError(
-            f"{recipe.source}: the robot has no geometry parameter to search (got "
-            f"{len(box)}, all kept); leave at least one free"
-        )
+        what = "the robot has no geometry parameter to search"
+        reject(recipe.source, what, f"{len(box)}, all kept", "leave at least one free", InputError)
     most, searched = SEARCHED.most, int(free.sum())
     if method == "search" and searched > most:
         raise InputError(
@@ -271,10 +265,8 @@ def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
         if kept.any():
             yield nodes[kept]
     if not inside:
-        raise InputError(
-            f"{recipe.source}: no node of the sweep lies within the bounds "
-            f"(got {box.tolist()}); widen them or use the method search"
-        )
+        what = "no node of the sweep lies within the bounds"
+        reject(recipe.source, what, box.tolist(), "widen them or use the method search", InputError)
 
 
 def _start(recipe: Recipe, start: ArrayLike | None, space: _Space) -> Floats:
@@ -283,8 +275,7 @@ def _start(recipe: Recipe, start: ArrayLike | None, space: _Space) -> Floats:
     begin = np.array(space.whole.mean(axis=1) if start is None else start, dtype=np.float64)
     # A NaN is not inside either.
     if begin.shape != low.shape or not ((begin >= low) & (begin <= high)).all():
-        raise InputError(
-            f"{recipe.source}: the start must lie within the bounds, one number for each "
-            f"parameter (got {np.asarray(start).tolist()}); leave it out to begin in the middle"
-        )
+        what = "the start must lie within the bounds, one number for each parameter"
+        way_out = "leave it out to begin in the middle"
+        reject(recipe.source, what, np.asarray(start).tolist(), way_out, InputError)
     return begin

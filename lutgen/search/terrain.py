@@ -2,25 +2,34 @@
 
 The world frame has z up; the frame of the ground under the robot has z along the ground's normal,
 upward, and x ahead, so that yaw of x is the robot's heading.  Convention "plane" of
-`channels.resting` takes gravity in that frame.
+`channels.resting` takes gravity in that frame.  Paths come from CSV files as other programs write
+them; logs of robots are read by the same rows.
 """
 
+import csv
 import math
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from io import StringIO
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lutgen import bounds
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError
-
-Floats = NDArray[np.float64]
+from lutgen.errors import InputError, reject
+from lutgen.recipe.load import utf8
+from lutgen.vector import Floats
 
 # The paper prints no interval; its sin(x)/x has no value at 0.
 SPAN = (1e-6, 4.0 * math.pi)
 # Points are equal when they are nearer than this share of the path's length, and a direction is
 # vertical when its horizontal part is this small.
 EQUAL = 1e-12
+# Numbers whose products still are numbers.
+LARGEST = 1e100
+COLUMNS = ("x", "y", "z", "heading", "nx", "ny", "nz")
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +118,9 @@ def along(
     yaw = None if heading is None else np.array(heading, dtype=np.float64)
     if normal is not None:
         up = unit_directions(normal)
-        if (up[:, 2] < 0.0).any():
-            at = int((up[:, 2] < 0.0).argmax())
-            raise InputError(
-                f"the ground's normal at point {at} points down (got {up[at].tolist()}); "
-                "turn it round"
-            )
+        for at in np.flatnonzero(up[:, 2] < 0.0):
+            what = f"the ground's normal at point {at} points down"
+            reject("path", what, up[at].tolist(), "turn it round", InputError)
     if normal is None or yaw is None:
         tangent = _tangents(points)
         travel = _directions(tangent)
@@ -156,12 +162,10 @@ def _tangents(position: Floats) -> Floats:
     inner = (step[1:] * chord[:-1] + step[:-1] * chord[1:]) / (step[1:] + step[:-1])
     slope = np.vstack([chord[:1], inner, chord[-1:]])
     length = np.linalg.norm(slope, axis=1)
-    if (length <= EQUAL).any():
-        at = int((length <= EQUAL).argmax())
-        raise InputError(
-            f"the path turns back on itself at point {at} (got {position[at].tolist()}), so it "
-            "has no direction there; give headings and the ground's normals"
-        )
+    for at in np.flatnonzero(length <= EQUAL):
+        what = f"it turns back on itself at point {at}, so it has no direction there"
+        way_out = "give headings and the ground's normals"
+        reject("path", what, position[at].tolist(), way_out, InputError)
     return np.asarray(slope / length[:, None])
 
 
@@ -200,3 +204,99 @@ def _gravity(normal: Floats, heading: Floats) -> Floats:
     x = np.where(length > EQUAL, x / np.where(length > EQUAL, length, 1.0), ahead)
     y = np.cross(normal, x)
     return unit_directions(-np.column_stack([x[:, 2], y[:, 2], normal[:, 2]]))
+
+
+def read_path(file: str | os.PathLike[str]) -> Path:
+    """Read a path from a CSV file: UTF-8, comma separated.
+
+    The first line names the columns in any order: x, y, z, and if wanted heading (deg) and the
+    ground's normal nx, ny, nz; see `along`.  Anything else is refused with line and column.
+    """
+    rows, lines = read_rows(file, _path_columns)
+    point = np.column_stack([rows[name] for name in ("x", "y", "z")])
+    steps = np.linalg.norm(np.diff(point, axis=0), axis=1)
+    same = np.flatnonzero(steps <= EQUAL * steps.sum())
+    if len(same):
+        at = int(same[0]) + 1
+        what = f"line {lines[at]} repeats the point before it"
+        reject(os.fspath(file), what, point[at].tolist(), "leave it out", InputError)
+    heading = np.radians(rows["heading"]) if "heading" in rows else None
+    normal = np.column_stack([rows[n] for n in ("nx", "ny", "nz")]) if "nx" in rows else None
+    try:
+        return along(point, heading, normal)
+    except InputError as error:
+        raise InputError(f"{os.fspath(file)}: {error}") from error
+
+
+def read_rows(
+    file: str | os.PathLike[str],
+    columns: Callable[[list[str]], tuple[Sequence[str], Sequence[str]]],
+    what: str = "a path needs at least 2 points",
+    least: int = 2,
+) -> tuple[dict[str, Floats], list[int]]:
+    """Return the columns of a CSV file by name, each (p,), and the line of each row.
+
+    It is UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
+    others; as large as a terrain may be.  Anything else is refused with line and column.
+    `columns` says, of the names in a file, which it needs and which it may have; `what` is the
+    sentence for a file of fewer than `least` rows.
+    """
+    source = os.fspath(file)
+    text = utf8(bounds.read(source, bounds.TERRAIN_BYTES, InputError), source, InputError)
+    reader = csv.reader(StringIO(text, newline=""))
+    rows: list[list[float]] = []
+    lines: list[int] = []
+    try:
+        names = [name.strip() for name in next(reader, [])]
+        _check_columns(source, names, *columns(names))
+        for cells in reader:
+            if cells:
+                bounds.check(len(rows) + 1, bounds.POINTS, source, "cut the path into parts")
+                rows.append(_read_row(f"{source}: line {reader.line_num}", names, cells))
+                lines.append(reader.line_num)
+    except csv.Error as error:
+        reject(source, f"line {reader.line_num} is no CSV", error, "save it again", InputError)
+    if len(rows) < least:
+        reject(source, what, len(rows), "add lines", InputError)
+    return dict(zip(names, np.array(rows).T, strict=True)), lines
+
+
+def _check_columns(
+    source: str, names: Sequence[str], wanted: Sequence[str], known: Sequence[str]
+) -> None:
+    """Refuse columns of a file of which one is missing, unknown or there twice."""
+    got = ",".join(names) or "nothing"
+    for name in wanted:
+        if name not in names:
+            way_out = f"begin with {','.join(wanted)}"
+            reject(source, f"line 1 names no column {name}", got, way_out, InputError)
+    for name in names:
+        if name not in known:
+            what = f"line 1 names the unknown column {name!r}"
+            reject(source, what, got, f"leave only columns of {', '.join(known)}", InputError)
+    if len(set(names)) < len(names):
+        reject(source, "line 1 names a column twice", got, "rename or drop one", InputError)
+
+
+def _path_columns(names: list[str]) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the columns that a path needs, and those that it may have."""
+    normal = COLUMNS[4:] if any(name in names for name in COLUMNS[4:]) else ()
+    return (*COLUMNS[:3], *normal), COLUMNS
+
+
+def _read_row(where: str, names: list[str], cells: list[str]) -> list[float]:
+    """Return the numbers of one line."""
+    if len(cells) != len(names):
+        what = f"must have {len(names)} cells, as the first line has"
+        reject(where, what, len(cells), "give one number for each column", InputError)
+    numbers = []
+    for name, cell in zip(names, cells, strict=True):
+        try:
+            number = float(cell)
+        except ValueError:
+            number = math.nan
+        if not abs(number) < LARGEST:
+            what, way_out = "is no finite number", "write one such as 1.25"
+            reject(f"{where}, column {name}", what, repr(cell), way_out, InputError)
+        numbers.append(number)
+    return numbers

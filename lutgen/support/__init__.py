@@ -29,7 +29,6 @@ from lutgen.support.table import (
     EDGES,
     FACETS,
     MAX_PRIMITIVES,
-    OFF_FACE,
     ROCKS,
     SHOWN,
     STANDS,

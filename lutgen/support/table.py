@@ -21,7 +21,8 @@ SAME = 1e-9
 MAX_PRIMITIVES = 62
 # What a direction does, and what the channel `status` holds.
 STANDS, ROCKS, TIPS = 0, 1, 2
-# Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
+# Nearer to the normal of a facet that it carries (rad), or than 90 deg less `upright`, the axle of
+# a wheel may not be.  Of level axles `upright` says so itself.
 OFF_FACE = math.radians(10.0)
 NO_LIMIT = -2.0
 
@@ -74,13 +75,8 @@ def acceptance(
     least_height: float = 0.0,
     rest_width: float | None = None,
     contact_tolerance: float | None = None,
-    face: float = OFF_FACE,
 ) -> Acceptance:
-    """Return the acceptance of two angles (rad) and three lengths; None is no limit.
-
-    `face` (rad): nearer to a facet's normal, or than 90 deg less `upright`, the axle of a wheel
-    that carries it may not be.  Of level axles `upright` says so itself.
-    """
+    """Return the acceptance of two angles (rad) and three lengths; None is no limit."""
     steepest = NO_LIMIT if upright is None or upright >= math.pi else math.cos(upright) + 1e-9
     return Acceptance(
         steepest,
@@ -88,7 +84,7 @@ def acceptance(
         least_height,
         rest_width or 0.0,
         contact_tolerance or 0.0,
-        min(math.sin(face), max(steepest, 0.0)),
+        min(math.sin(OFF_FACE), max(steepest, 0.0)),
     )
 
 

@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 
 from lutgen import analysis
+from lutgen.analysis.budget import leans, stop_speeds
 from lutgen.analysis.ground import gravity_transform
-from lutgen.analysis.stopping import leans, stop_speeds
 from proofs.physics import robots
 from proofs.physics.agreement import CLEAR
 from proofs.physics.body import Floats, Posture

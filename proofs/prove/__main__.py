@@ -12,7 +12,8 @@ from pathlib import Path
 
 from firmware_export.codecs import usable
 from firmware_export.device import ExportFolder
-from firmware_export.protocol import Export, describe
+from firmware_export.grid import lookup
+from firmware_export.protocol import describe
 from firmware_export.truth.model import Model
 from lutgen.recipe import Recipe, load_recipe
 from proofs.prove.held import CannotProveError
@@ -38,9 +39,11 @@ def made(row: str) -> tuple[Recipe, bytes, bool]:
     label, arithmetic = size.split(", ")
     recipe = load_recipe(MAPS / f"{name}.toml")
     model, channels = Model(recipe), ("sdg", "tip_angle")
-    (info,) = usable(model, arithmetic, label.split()[0])
-    tables = info.encode(model, channels, info.read_label(label))
-    export = Export(name, recipe, model, info.name, arithmetic, channels, tables)
+    codec, *words = label.split()
+    (info,) = usable(model, arithmetic, codec)
+    nodes = tuple(tuple(map(int, word.split("x"))) for word in words[1:])
+    spec = lookup.Spec(int(words[0][1:]), nodes) if words else None
+    export = info.export(model, name, channels, arithmetic, spec)
     return recipe, describe(export).bytes, export.integer
 
 

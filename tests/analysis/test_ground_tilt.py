@@ -14,14 +14,14 @@ from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, feet, rigid
+from tests.fixtures.recipes import feet, rigid
 from tests.oracles.primitives import least_turn
 
 ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
 BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
 # A sledge: flat under the com for 0.2 m to both ends, then rising by 12 deg for another 0.5 m.
 FLAT, RISES, HIGH, WIDE, BEND = 0.2, 0.5, 0.5, 0.6, math.radians(12.0)
-NAMES = pytest.mark.parametrize("name", ["bowls", "absolem", "articulated", "marv"])
+NAMES = pytest.mark.parametrize("name", ["bowls", "articulated", "marv"])
 
 
 def sledge(rock_angle, flat=FLAT, rises=RISES, bend=BEND):
@@ -126,17 +126,6 @@ def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_the
     assert leaves - 0.003 < ground_tilt(Posture(ball, [])).limits(ahead).min() < leaves
 
 
-def test_a_sledge_that_its_nose_does_not_hold_tips_where_it_leaves_its_flat():
-    flat, rises, bend = 0.1, 0.3, math.radians(20.0)
-    leaves, high = math.atan(flat / HIGH), rises * math.tan(bend)
-    # From its balance at the bend it falls on to the tip of the nose, and has more energy than it
-    # takes to go over that: the com is lower there than where it was let go.
-    sinks = math.hypot(rises, high) * math.sin(leaves)
-    assert math.hypot(flat + rises, HIGH - high) - sinks < math.hypot(flat, HIGH)
-    posture, ahead = sledge(30.0, flat, rises, bend), [0.0, math.pi]
-    np.testing.assert_allclose(ground_tilt(posture).limits(ahead), leaves, atol=1e-12)  # rounding
-
-
 def test_what_tips_on_level_ground_has_no_limit_and_what_is_over_an_edge_stands():
     aside = Posture(parse_recipe(rigid(feet([(x + 1.0, y, z) for x, y, z in BOX]))), [])
     found = ground_tilt(aside)
@@ -197,17 +186,3 @@ def test_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned(na
         assert number == (20 + len(around) if found.stands else 0)
         rolled += rolls > 0
     assert rolled > 0
-
-
-def test_positions_that_are_a_little_wrong_do_not_change_what_is_guaranteed():
-    rng, sigma = np.random.default_rng(0), 1e-5
-    places = [(x, y + d) for x in (0.3, 0.0, -0.3) for y in (0.3, -0.3) for d in (0.02, -0.02)]
-    for _ in range(6):
-        text = ""
-        for i, (x, y) in enumerate(places):
-            # Two rims to a wheel, six wheels.
-            place, axis = (v + rng.normal(0.0, sigma, 3) for v in ((x, y, -0.3), (0.0, 1.0, 0.0)))
-            text += contact(f"w{i}", tuple(place), 0.1, tuple(axis))
-        guaranteed = ground_tilt(Posture(parse_recipe(rigid(text)), [])).guaranteed
-        # A rim of 20 mm tilts it by 1e-3 rad at most.
-        assert guaranteed == pytest.approx(math.atan(0.3 / 0.4), abs=1e-3)

@@ -1,9 +1,7 @@
 """Five metrics side by side: the numbers, `lutgen metrics`, the figure and its page."""
 
-import json
 import math
 
-import numpy as np
 import pytest
 
 import lutgen
@@ -11,12 +9,12 @@ from lutgen.analysis.metrics import METRICS, compare_metrics
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
-from tests.fixtures.commands import run
+from tests.fixtures.commands import data
+from tests.fixtures.pulled import BOX, LEVEL, pull, robot
 from tests.fixtures.recipes import feet, rigid
 
 # 2 long, 1.2 wide, 1 high, its com a little off the centre.
 TABLE = rigid(feet([(1, 0.6, -1), (-1, 0.6, -1), (-1, -0.6, -1), (1, -0.6, -1)]), name="table")
-HEADINGS = np.radians(np.arange(0.0, 360.0, 5.0))
 
 
 @pytest.fixture(scope="module")
@@ -52,45 +50,33 @@ def test_each_is_divided_by_its_value_on_level_ground(table):
     assert found.values["force_angle"] == pytest.approx(product, abs=1e-14)
 
 
-def test_four_change_sign_with_the_verdict_and_sdg_never_later(table):
-    for tilt in np.radians([25.0, 33.0, 44.0]):
-        found = compare_metrics(Posture(table, []), tilted(tilt, HEADINGS))
-        for name in ("tip_angle", "margin", "energy_margin", "force_angle"):
-            assert ((found.normalised[name] >= 0.0) == found.standing).all()
-        sdg = found.normalised["sdg"]
-        assert (np.isnan(sdg) == ~found.standing).all()
-    # Lengthwise the robot stands where its |SD_g| exceeds the inscribed radius.
-    assert sdg[0] < 0.0 < found.values["tip_angle"][0]
-
-
-def test_a_posture_that_does_not_stand_on_level_ground_is_refused():
-    aside = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)])))
-    with pytest.raises(
-        InputError, match=r"does not stand or cannot tip \(got a tip angle of -24.1 deg"
+def test_what_does_not_stand_on_level_ground_or_knows_more_than_a_weight_is_refused():
+    for one, said in (
+        (
+            lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)]))),
+            r"does not stand or cannot tip \(got a tip angle of -24.1 deg",
+        ),
+        (robot(feet(BOX), pull((5, 0, 0))), "counts the weight and no other force"),
+        (robot(feet(BOX), rho=0.01), "metrics are those of one com"),
     ):
-        compare_metrics(Posture(aside, []), [[0, 0, -1]])
+        with pytest.raises(InputError, match=said):
+            compare_metrics(Posture(one, []), LEVEL)
 
 
 # The command
 
 
-def test_the_command_prints_one_row_per_heading_and_json_with_null_for_no_value(tmp_path):
+def test_json_has_null_for_no_value(tmp_path):
     file = tmp_path / "table.toml"
     file.write_text(TABLE)
-    asked = ("metrics", file, "--tilt", 33, "--headings", 4)
-    result = run(*asked)
-    assert result.exit_code == 0, result.stderr
-    rows = result.stdout.splitlines()[-4:]
-    assert [row.split()[0] for row in rows] == ["0", "90", "180", "270"]
-    assert [row.split()[1] for row in rows] == ["stands", "tips", "stands", "tips"]
-    report = json.loads(run(*asked, "--json").stdout, parse_constant=pytest.fail)
+    report = data("metrics", file, "--tilt", 33, "--headings", 4)
     assert report["level"]["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)))
     left = report["headings"][1]
     assert (left["heading_deg"], left["standing"]) == (90.0, False)
     assert left["sdg"] is left["normalised"]["sdg"] is None
     assert left["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)) - 33.0)
     assert left["force_angle_rad"] < 0.0
-    axes = json.loads(run("eval", file, "--json").stdout)["axes"]
+    axes = data("eval", file)["axes"]
     side, end = 0.6 * math.atan(0.6), math.atan(1.0)
     found = sorted(axis["force_angle_rad"] for axis in axes)
     assert found == pytest.approx([side, side, end, end], abs=1e-12)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.friction import slide_limits
 from lutgen.analysis.posture import Posture
-from lutgen.analysis.sliding import first_tilts, slide_limits
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS
@@ -64,51 +63,12 @@ def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces():
         assert np.isfinite(limits).sum() > 0
 
 
-def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards():
-    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
-    level, lifted = (Posture(absolem, np.radians(angles)) for angles in ([0.0, 0.0], [-60.0, 0.0]))
-    slope = diagnose(lifted, [0.0, 0.0, -1.0]).slope
-    assert slope > math.radians(10.0)
-    back = slide_limits(lifted, [math.pi])[0]
-    assert slide_limits(level, [0.0, math.pi]) == pytest.approx(math.atan(0.8), abs=1e-12)
-    # The facet falls towards the tail: gravity leans to the tail in the body already.
-    assert abs(back - math.atan(0.8)) == pytest.approx(slope, abs=1e-9)
-
-
 def test_a_robot_without_support_slides_on_nothing():
     line = rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)]), head="friction = 0.5")
     assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
 
 
-def test_the_first_tilt_is_found_to_rounding_and_ends_where_the_robot_tips():
-    # It tips at 45 deg straight ahead.
-    posture, headings = Posture(table(None), []), np.zeros(2)
-    for bound, expected in ((0.3, 0.3), (0.79, math.nan)):
-
-        def steep(down, bound=bound):
-            return np.arccos(-down[:, 2]) >= bound
-
-        found, _ = first_tilts(posture, steep, headings)
-        assert found == pytest.approx(expected, abs=1e-8, nan_ok=True)  # an arc cosine near 0.3
-
-
 # Figures
-
-
-def sliding(figure):
-    """Return the lines of a chart that are called sliding."""
-    lines = figure.axes[0].get_lines()
-    return [line for line in lines if str(line.get_label()).startswith("slides")]
-
-
-def test_polar_draws_the_sliding_limit_where_the_robot_still_stands():
-    (line,) = sliding(plot.draw("polar", table(0.8)))
-    radius = np.hypot(*(np.asarray(part) for part in line.get_data()))
-    # It tips at 45 deg straight ahead and at more towards a corner: it slides first at 38.7.
-    assert radius * 90.0 == pytest.approx(math.degrees(math.atan(0.8)), abs=1e-9)
-    assert line.get_label() == "slides at 38\N{DEGREE SIGN}"
-    for friction in (1.5, None):
-        assert not sliding(plot.draw("polar", table(friction)))
 
 
 def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it():

@@ -113,30 +113,6 @@ def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane():
     assert (steep.holds, len(steep.region), steep.margin) == (False, 0, -math.inf)
 
 
-def test_one_foot_holds_a_com_above_it_and_none_beside_it():
-    above = equilibrium([[3.0, 1.0, 0.0]], [[0.0, 0.1, 1.0]], 0.5, [3.0, 1.0, 2.0])
-    assert above.holds is True
-    assert above.forces == pytest.approx(np.array([[0.0, 0.0, 1.0]]), abs=1e-7)
-    assert above.region == pytest.approx(np.array([[3.0, 1.0]]), abs=EXACT)
-    assert above.margin == 0.0
-    beside = equilibrium([[3.0, 1.0, 0.0]], [[0.0, 0.1, 1.0]], 0.5, [3.1, 1.0, 2.0])
-    assert beside.holds is False
-    assert beside.margin == pytest.approx(-0.1, abs=EXACT)
-    # At the com itself there is no length to compare with.
-    assert equilibrium([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 0.5, [0.0, 0.0, 0.0]).holds is True
-
-
-def test_on_level_treads_of_a_stair_no_friction_is_needed_between_the_feet():
-    feet, level = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.7]], [[0.0, 0.0, 1.0]] * 2
-    for x in (-0.01, 0.0, 0.4, 1.0, 1.01):
-        found = equilibrium(feet, level, 0.0, [x, 0.0, 2.0])
-        assert found.holds is (0.0 <= x <= 1.0)
-        assert same_set(found.region, np.array([[0.0, 0.0], [1.0, 0.0]]), EXACT)
-        if found.forces is not None:
-            # The lever's shares.
-            assert found.forces[:, 2] == pytest.approx([1.0 - x, x], abs=1e-6)
-
-
 def nearest(points, normals, mu, com):
     """Return forces (n, 3) in the cones, and the least wrench (6,) that is missing.
 

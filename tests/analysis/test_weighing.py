@@ -1,16 +1,17 @@
 """Mass and centre of mass from scales and tilts, on a robot whose true ones are known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from firmware_export.contacts.closed import closed_form
-from lutgen.analysis import Posture, tilt_limits, tilted
-from lutgen.analysis.weighed_recipe import corrected
-from lutgen.analysis.weighing import Tipping, Weighing, weigh
+from lutgen.analysis import tilt_limits, tilted
+from lutgen.analysis.weighing import Tipping, Weighing, corrected, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
+from tests.fixtures.recipes import contact, sweep_part
 
 CORNERS = {"fl": (0.5, 0.4), "fr": (0.5, -0.4), "rl": (-0.5, 0.4), "rr": (-0.5, -0.4)}
 SHIFT = np.array([0.03, -0.02, 0.05])
@@ -20,19 +21,15 @@ LEVEL, SLOPED = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], [(0.1, 0.2, 0.7)]
 
 def cart(mass, com):
     """Return a cart with a load that is lifted forward; its masses are in the ratio of 5 to 1."""
-    contacts = "".join(
-        f'[[robot.contact]]\nname = "{name}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
-        for name, (x, y) in CORNERS.items()
-    )
     return parse_recipe(
         '[robot]  # a cart\nname = "cart"\nlength_unit = "m"\n'
         '[[robot.parameter]]\nname = "lift"\nmin = 0.0\nmax = 0.3\nunit = "m"\n'
         f'[[robot.link]]\nname = "body"\nmass = {mass / 1.2!r}\ncom = {[*map(float, com)]}\n'
         '[[robot.link]]\nname = "load"\nparent = "body"\norigin = [0, 0, 0.4]\n'
         'joint = { type = "prismatic", axis = [0.6, 0, 0.8], parameter = "lift" }\n'
-        f"mass = {mass / 6.0!r}\n{contacts}"
-        '[sweep]\nsamples = { lift = 3 }\n[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\n'
-        'nodes = 5\nchannels = ["sdg"]\n'
+        f"mass = {mass / 6.0!r}\n"
+        + "".join(contact(name, (x, y, -0.1)) for name, (x, y) in CORNERS.items())
+        + sweep_part("lift = 3", nodes=5)
     )
 
 
@@ -114,6 +111,10 @@ def test_slopes_at_which_it_begins_to_tip_give_the_height():
     alone = weigh(MODEL, tips)
     np.testing.assert_allclose(alone.com_shift, SHIFT, atol=1e-9)
     assert math.isinf(alone.mass_std)
+    # Tilts that do not agree, either.
+    off = weigh(MODEL, [replace(tips[0], slope=tips[0].slope + 1e-3), *tips[1:]])
+    np.testing.assert_allclose(off.com_shift, SHIFT, atol=2e-3)
+    assert math.isinf(off.mass_std)
 
 
 def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():
@@ -177,12 +178,3 @@ def test_an_export_knows_the_offset():
     robot = parse_recipe(corrected(MODEL, weigh(MODEL, weighed(*LEVEL, *SLOPED))))
     constant = closed_form(robot).com.terms[()] - closed_form(MODEL).com.terms[()]
     np.testing.assert_allclose(constant, SHIFT, atol=1e-8)
-
-
-def test_the_offset_counts_for_tilts():
-    text = MODEL.text.replace("[robot]  # a cart", "[robot]\ncom_offset = [0, 0.1, 0]")
-    robot = parse_recipe(text)
-    left, right = tilt_limits(robot, [0.0], [0.5 * math.pi, -0.5 * math.pi], "plane")
-    height = float(Posture(robot, [0.0]).stance.facets[0].height)
-    assert left == pytest.approx(math.atan2(0.3, height))
-    assert right == pytest.approx(math.atan2(0.5, height))

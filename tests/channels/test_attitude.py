@@ -15,14 +15,6 @@ from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 UP = np.array([0.0, 0.0, 1.0])
-# A product of two rotations of unit vectors.
-ROUNDING = 1e-14
-
-
-def test_gravity_fixed_in_the_body_is_the_same_in_every_posture():
-    recipe = lutgen.load_recipe(MAPS / "paper_one.toml")
-    down = body_gravity(recipe, [[0.1], [0.8]], [0.3, 0.0, -0.4], "body")
-    assert down == pytest.approx(np.array([[0.6, 0.0, -0.8]] * 2), abs=ROUNDING)
 
 
 def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet():

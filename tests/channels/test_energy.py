@@ -18,7 +18,6 @@ from tests.oracles.standing import Standing
 from tests.support.postures import FAMILIES, asked, drawn, limits_of
 
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-LIMITS = (math.radians(80.0), math.radians(30.0))
 BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -0.3, -0.5]])
 WAY = np.linspace(0.0, 1.0, 401)[:, None]
 
@@ -31,17 +30,6 @@ def energy(contacts, g, *limits):
 def risen(points, g):
     """Return how far the com rises until it is balanced on points (m, 3): |p| - p . g."""
     return np.asarray(np.sqrt((points**2).sum(-1)) - points @ g)
-
-
-def turned_over(start, stop, g):
-    """Return the greatest rise of the com while the robot turns about an axis, step by step."""
-    axis = unit(stop - start)
-    sense = math.copysign(1.0, float(np.cross(axis, -start) @ -g))
-    angle, arm = np.linspace(0.0, math.pi, 20_001)[:, None], -start
-    across, along = sense * np.cross(axis, arm), (axis @ arm) * axis
-    now = np.cos(angle) * (arm - along) + np.sin(angle) * across + along
-    heights = now @ -g
-    return float(heights.max() - heights[0])
 
 
 def of_standing(standing, g, seat):
@@ -83,43 +71,6 @@ def test_that_of_a_box_is_worked_by_hand():
     aside = np.array([[0.0, math.sin(lean), -math.cos(lean)]])
     now = 0.3 * math.sin(lean) + 0.5 * math.cos(lean)
     assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
-
-
-def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step():
-    rng = np.random.default_rng(1)
-    for _ in range(12):
-        feet = BOX + np.array([*rng.uniform(-0.2, 0.2, 2), 0.0])
-        g = unit(np.array([*rng.uniform(-0.2, 0.2, 2), -1.0]))
-        rises = [turned_over(a, b, g) for a, b in zip(feet, np.roll(feet, -1, 0), strict=True)]
-        # 20,001 steps are right to (pi / 20,000)^2 / 8 of the radius.
-        assert energy(feet, g[None]).item() == pytest.approx(min(rises), abs=1e-8)
-
-
-def keel(high):
-    """Return feet below which two planes meet at x = 0; too wide to tip sideways."""
-    places = ((0.5, high), (0.0, 0.0), (-0.4, high))
-    return np.array([[x, y, z - 0.4] for x, z in places for y in (-5.0, 5.0)])
-
-
-def test_that_of_a_robot_with_two_rests_goes_over_the_keel_and_then_over_the_far_end_by_hand():
-    # On the plane ahead: 0.05 / 0.5.  Over the front edge, or over the keel and the rear edge.
-    high = 0.05
-    ahead, behind = math.atan2(high, 0.5), math.atan2(high, 0.4)
-    g = np.array([math.sin(ahead), 0.0, -math.cos(ahead)])
-    com = 0.4 * math.cos(ahead)
-    front = math.hypot(0.5, 0.4 - high) - (0.5 * g[0] + (high - 0.4) * g[2])
-    over_keel = 0.4 - com
-    # The plane behind lies where the plane ahead was: the body has turned by the angle of both.
-    turn = ahead + behind
-    last = np.array([math.sin(ahead - turn), 0.0, -math.cos(ahead - turn)])
-    sunk = com - 0.4 * math.cos(behind)
-    rear = math.hypot(0.4, 0.4 - high) - (-0.4 * last[0] + (high - 0.4) * last[2]) - sunk
-    want = min(front, max(over_keel, rear))
-    assert want == max(over_keel, rear) < front - 1e-3
-    got = energy(keel(high), g[None], *LIMITS).item()
-    assert got == pytest.approx(want, abs=1e-12)
-    # Where rocking is forbidden it tips over the keel.
-    assert energy(keel(high), g[None], LIMITS[0], 0.0).item() == pytest.approx(over_keel, abs=1e-12)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

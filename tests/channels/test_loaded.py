@@ -1,6 +1,7 @@
 """Stability under forces and with an uncertain com: hand-worked, by brute force, by balance."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -183,8 +184,9 @@ def worst(contacts, g, rho, head, count, force=""):
     rng = np.random.default_rng(8)
     places = rng.normal(size=(count, 3))
     places *= rho / np.linalg.norm(places, axis=1)[:, None]
-    readings = [read(robot(contacts, force, com=place, head=head), g) for place in places]
-    return np.asarray(np.min(readings, axis=0))
+    exact = robot(contacts, force, head=head)
+    moved = (replace(exact, com_offset=tuple(place)) for place in places.tolist())
+    return np.asarray(np.min([read(one, g) for one in moved], axis=0))
 
 
 def test_the_planes_of_a_box_turn_inward_by_the_angle_of_the_ball():
@@ -199,44 +201,36 @@ def test_the_planes_of_a_box_turn_inward_by_the_angle_of_the_ball():
 
 
 @pytest.mark.parametrize(
-    ("kind", "head"),
+    ("kind", "head", "pulled"),
     [
-        ("points", FREE),
-        ("points", "upright = 60.0\nrock_angle = 0.0"),
-        ("discs", "rock_angle = 40.0"),
-        ("spheres", ""),
+        ("points", FREE, False),
+        ("points", "upright = 60.0\nrock_angle = 0.0", False),
+        ("discs", "rock_angle = 40.0", False),
+        ("spheres", "", False),
+        ("points", FREE, True),
+        ("points", "rock_angle = 15.0", True),
+        ("discs", "", True),
     ],
 )
-def test_of_any_region_it_is_never_above_the_least_and_close_to_it(kind, head):
-    rng = np.random.default_rng(10)
+def test_of_any_region_it_is_never_above_the_least_over_all_coms_and_close_to_it(
+    kind, head, pulled
+):
+    rng, short = np.random.default_rng(10 + 3 * pulled), []
     for _ in range(4):
         contacts, rho, g = cloud(rng, kind), rng.uniform(0.01, 0.06), directions(rng, 40)
-        reduced = read(robot(contacts, rho=rho, head=head), g)
-        truth = worst(contacts, g, rho, head, 150)
-        assert (reduced <= truth + 1e-9).all()
-        # The same with 150 coms, where it stands.
-        stands = reduced >= 0
-        assert reduced[stands] == pytest.approx(truth[stands], abs=8e-3)
-
-
-@pytest.mark.parametrize(
-    ("kind", "head"), [("points", FREE), ("points", "rock_angle = 15.0"), ("discs", "")]
-)
-def test_with_a_force_too_it_is_never_above_the_least_over_all_coms(kind, head):
-    rng = np.random.default_rng(13)
-    short = []
-    for _ in range(4):
-        contacts, rho, g = cloud(rng, kind), rng.uniform(0.01, 0.06), directions(rng, 40)
-        force = pull(rng.normal(size=3) * 0.2 * WEIGHT, rng.normal(size=3) * 0.3)
+        force = ""
+        if pulled:
+            force = pull(rng.normal(size=3) * 0.2 * WEIGHT, rng.normal(size=3) * 0.3)
         reduced = read(robot(contacts, force, rho, head=head), g)
         truth = worst(contacts, g, rho, head, 150, force)
         stands = reduced >= 0
-        assert (reduced <= truth + 1e-9)[stands].all()
-        assert not ((truth < 0) & stands).any()
+        assert (reduced <= truth + 1e-9)[stands | (not pulled)].all()
         short += (truth - reduced)[stands].tolist()
-    # A bound, but no empty one: where it stands it gives away a degree or so.
+    # With a force it is a bound, but no empty one: it gives away a degree or so.
     assert len(short) > 20
     assert np.median(short) < math.radians(1.5)
+    # Without one it is that of 150 coms.
+    assert pulled or max(short) < 8e-3
 
 
 def test_the_signs_of_all_channels_agree_under_any_load():
@@ -263,6 +257,3 @@ def test_a_wheel_pressed_down_decides_on_which_facet_the_robot_rests():
         down = body_gravity(loaded, np.zeros((1, 0)), ground, "plane")[0]
         assert math.copysign(1.0, down[0]) == side
         assert read(loaded, down)[0] > 0
-
-
-# What is refused

@@ -14,9 +14,12 @@ from tests.fixtures.pulled import moving
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
 
-@pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "discs with gaps"])
-def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text):
-    recipe = lutgen.parse_recipe(text)
+@pytest.mark.parametrize(
+    "recipe",
+    [lutgen.parse_recipe(tripod()), lutgen.parse_recipe(rover()), moving()],
+    ids=["points", "discs with gaps", "loaded points"],
+)
+def test_pairs_are_the_diagonal_of_all_and_what_a_diagnosis_says(recipe):
     random = np.random.default_rng(1)
     low = np.array([p.minimum for p in recipe.parameters])
     high = np.array([p.maximum for p in recipe.parameters])
@@ -29,6 +32,15 @@ def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text):
     for name in ALL_CHANNELS:
         # Bit for bit: both run the same kernel on the same numbers.
         np.testing.assert_array_equal(pairs[name], np.diagonal(crossed[name]), err_msg=name)
+    for k in range(40):
+        found = diagnose(Posture(recipe, params[k]), down[k])
+        assert found.standing is bool(pairs["tip_angle"][k] >= 0.0)
+        for name in CHANNELS:
+            # Compiled for one direction and for many: the last bits may differ, and near a tip-over
+            # axis they are all there is.
+            np.testing.assert_allclose(
+                found.channels[name], pairs[name][k], rtol=1e-9, atol=1e-12, err_msg=name
+            )
 
 
 def test_each_posture_may_have_several_directions_of_its_own():
@@ -54,7 +66,7 @@ def test_directions_that_are_not_one_per_posture_are_refused():
         evaluate_each(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))
 
 
-def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads():
+def test_sweeps_of_loaded_robots_read_what_evaluate_reads():
     recipe = moving()
     params = recipe.grid.params(np.arange(recipe.grid.size))
     g = recipe.chart.directions().reshape(-1, 3)
@@ -72,12 +84,3 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads():
             want = got[name].reshape(len(params), scanner.rows, -1)[:, first:last]
             mapped = out[CHANNELS.index(name)]
             assert (mapped == want.ravel().astype(np.float32)).sum() == np.isfinite(want).sum()
-    for i, j in ((0, 3), (5, 24), (11, 40)):
-        pair = evaluate_each(recipe, params[[i]], g[[j]], names)
-        found = diagnose(Posture(recipe, params[i]), g[j])
-        for name in names:
-            assert pair[name][0] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
-            assert found.channels[name] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
-        assert min(axis.tip_angle for axis in found.tip_over_axes) == pytest.approx(
-            found.channels["tip_angle"]
-        )

@@ -55,19 +55,6 @@ def test_three_contacts_carry_what_balance_fixes_and_groups_add_up():
     assert share(rocker(), [0, 0, -1]) == 0.0
 
 
-def test_a_sweep_has_the_shares_that_are_evaluated(tmp_path):
-    recipe = lutgen.parse_recipe(
-        rigid(feet(CORNERS) + GROUPS, nodes=9, max_tilt=60.0, channels=("least_share",))
-    )
-    path = f"{tmp_path}/map.h5"
-    lutgen.sweep(recipe, path)
-    swept = lutgen.load_map(path).channel("least_share").reshape(-1)
-    down = recipe.chart.directions().reshape(-1, 3)
-    exact = lutgen.evaluate(recipe, [[]], down, ("least_share",))["least_share"][0]
-    assert np.isnan(exact).any()
-    assert swept == pytest.approx(exact, abs=1e-6, nan_ok=True)
-
-
 def test_a_group_keeps_its_share_up_to_the_tilt_that_balance_gives():
     posture = Posture(lutgen.parse_recipe(rigid(feet(CORNERS) + GROUPS)), [])
     headings = np.array([math.pi, 0.0])

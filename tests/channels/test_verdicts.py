@@ -1,11 +1,7 @@
 """Verdicts of a sweep against `evaluate`, at every node."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
@@ -13,12 +9,14 @@ from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan
 from lutgen.chart import Chart
-from lutgen.cli import main
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import start_recipe
 from lutgen.support import acceptance, pack
+from tests.fixtures.commands import data, stdout
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
 
-GALLERY = sorted((Path(__file__).parents[2] / "maps").glob("*.toml"))
+GALLERY = sorted(MAPS.glob("*.toml"))
 LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
 TIP = CHANNELS.index("tip_angle")
 
@@ -121,36 +119,16 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
 )
 def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(x, y, height, nodes):
     chart = Chart("cone", nodes, np.radians(60.0))
-    feet = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
-    tips, _ = tips_of_rows_and_exact(feet, chart, LIMITS["default"])
+    places = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
+    tips, _ = tips_of_rows_and_exact(places, chart, LIMITS["default"])
     u = chart.coords * height
     inside = (np.abs(u)[:, None] <= y) & (x[0] <= u) & (u <= x[1])
     np.testing.assert_array_equal(~tips[0], inside.ravel())
 
 
-BOX = (
-    """
-[robot]
-name = "box"
-length_unit = "m"
-[[robot.link]]
-name = "body"
-mass = 1.0
-com = [0.02, -0.01, 0.85]
-"""
-    + "".join(
-        f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
-        for i, (x, y) in enumerate([(-0.35, -0.1), (-0.35, 0.1), (0.35, -0.1), (0.35, 0.1)])
-    )
-    + """
-[sweep]
-channels = ["sdg", "tip_angle"]
-[sweep.gravity]
-chart = "cone"
-max_tilt = 60.0
-nodes = 9
-"""
-)
+BODY = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0.02, -0.01, 0.85]\n'
+FEET = feet([(x, y, -0.1) for x in (-0.35, 0.35) for y in (-0.1, 0.1)])
+BOX = rigid(BODY + FEET, nodes=9, max_tilt=60.0)
 
 
 @pytest.mark.parametrize(
@@ -171,25 +149,18 @@ def test_a_map_says_that_a_robot_tips_as_its_recipe_does(tmp_path, text, posture
     recipe.write_text(text)
     lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
     for source in (recipe, stability_map):
-        run = CliRunner().invoke(main, ["eval", str(source), *posture, "-g", gravity, "--json"])
-        assert run.exit_code == 3, run.output
-        assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
+        found = data("eval", source, *posture, "-g", gravity, code=3)
+        assert found["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
 
 
 EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
 
 
-@pytest.mark.parametrize("command", ["eval", "limits", "sweep"])
-def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path, command):
+def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path):
     recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
     recipe.write_text(EDGE)
-    if command == "limits":
-        run = CliRunner().invoke(main, ["limits", str(recipe)])
-        assert "tips over on level ground" not in run.output
-        return
-    if command == "sweep":
-        lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
-    source = recipe if command == "eval" else stability_map
-    run = CliRunner().invoke(main, ["eval", str(source), "-g", "0,0,-1", "--json"])
-    assert run.exit_code == 0, run.output
-    assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(0.0, abs=1e-6)
+    lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    for source in (recipe, stability_map):
+        found = data("eval", source, "-g", "0,0,-1")
+        assert found["tip_angle_deg"] == pytest.approx(0.0, abs=1e-6)
+    assert "tips over on level ground" not in stdout("limits", recipe)

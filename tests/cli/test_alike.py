@@ -12,7 +12,6 @@ import lutgen
 from lutgen.cli import main
 from lutgen.plot import KINDS
 from tests.fixtures.commands import data, good, run, stdout
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import rigid, tripod
 
 COMMANDS = sorted(main.commands)
@@ -86,18 +85,6 @@ def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_pat
     assert allowed[0] == allowed[1]
 
 
-def test_a_recipe_of_the_gallery_answers_like_its_file_wherever_the_user_is(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for command in (("check",), ("eval", "-p", "alpha=31"), ("sweep", "-o", "a.h5", "--force")):
-        answers = []
-        for source in (MAPS / "paper_one.toml", "recipe:paper_one"):
-            said = stdout(command[0], source, *command[1:])
-            answers.append(Path("a.h5").read_bytes() if command[0] == "sweep" else said.encode())
-        # It takes as long as it takes.
-        one, other = (answer.split(b", about ")[0] for answer in answers)
-        assert one == other != b""
-
-
 # exit codes and words
 
 
@@ -134,16 +121,6 @@ def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(command, ro
         assert (words in tips) is (code == 3)
 
 
-def test_metrics_compare_with_level_ground_so_that_what_tips_there_is_bad_input(robots):
-    assert run("metrics", "tips.toml", *AT).exit_code == 2
-
-
-def test_a_robot_that_tips_has_no_wheels_to_speak_of_whether_or_not_they_slip(robots):
-    # Sideways is what the wheel cannot do.
-    for name, code in (("stands", 1), ("tips", 3)):
-        assert run("wheels", f"{name}.toml", *AT, "--velocity", "0,1").exit_code == code
-
-
 def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path):
     for name in ("odd", r"a\nb\u001b[31m"):
         path = tmp_path / "odd.toml"
@@ -165,37 +142,6 @@ def test_every_command_can_report_as_json_and_its_help_begins_with_an_example(na
     assert usage.startswith(f"Usage: main {name}")
     assert (empty, example.split()[:2]) == ("", ["$", "lutgen"])
     assert stdout(name, "--help") == stdout(name, "-h")
-
-
-def test_what_was_written_is_reported(place, tmp_path, monkeypatch):
-    recipe, target = place / "tripod.toml", tmp_path / "map.h5"
-    report = data("sweep", recipe, "-o", target)
-    assert report.pop("seconds") > 0.0
-    stability_map = lutgen.load_map(target)
-    digest = stability_map.recipe.digest
-    assert report == {
-        "robot": "tripod",
-        "digest": digest,
-        "map": str(target),
-        "nodes": stability_map.channel("sdg").size,
-        "channels": list(stability_map.channels),
-        "bytes": target.stat().st_size,
-    }
-    figure = tmp_path / "robot.svg"
-    assert data("plot", recipe, "-o", figure, "--kind", "robot") == {
-        "robot": "tripod",
-        "digest": digest,
-        "source": str(recipe),
-        "kind": "robot",
-        "figure": str(figure),
-        "bytes": figure.stat().st_size,
-    }
-    # In words a figure is the only answer.
-    assert stdout("plot", recipe, "-o", figure, "--kind", "robot") == ""
-    page = tmp_path / "paper.html"
-    monkeypatch.setattr("lutgen.paper.write_report", lambda folder, tell, force: page)
-    assert data("paper", "-o", tmp_path) == {"folder": str(tmp_path), "page": str(page)}
-    assert stdout("paper", "-o", tmp_path) == f"{page}\n"
 
 
 # help and start-up

@@ -5,7 +5,7 @@ import math
 import pytest
 
 import lutgen
-from tests.fixtures.commands import data, good, keys, run, stdout
+from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod
 
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
@@ -41,26 +41,6 @@ def test_of_what_tips_over_no_forces_are_told(place):
     assert (tips.exit_code, "tips over" in tips.stdout) == (3, True)
     assert "normal forces" not in tips.stdout
     assert "nan" not in tips.stdout
-
-
-def test_json_agrees_with_evaluate_and_angles_carry_their_unit(place):
-    recipe = lutgen.load_recipe(place / "tripod.toml")
-    report = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
-    want = lutgen.evaluate(recipe, [[0.3, math.radians(10.0)]], [[0.1, 0.05, -1]], ALL_CHANNELS)
-    for name in ("sdg", "height", "margin", "energy_margin", "facet"):
-        assert report[name] == pytest.approx(want[name][0, 0], rel=1e-9)
-    assert report["tip_angle_deg"] == pytest.approx(math.degrees(want["tip_angle"][0, 0]), rel=1e-9)
-    assert sum(report["normal_forces"].values()) == pytest.approx(1.0, abs=1e-12)
-    assert (report["standing"], report["status"]) == (True, "stands")
-    least = report["least_stable_axis"]
-    assert report["axes"][least["index"]] == least
-    angles = {key for key in keys(report) if any(x in key for x in ("angle", "slope", "tilt"))}
-    assert angles >= {"tip_angle_deg", "slope_deg"}
-    assert all(key.endswith(("_deg", "_rad")) for key in angles)
-    # A direction may begin with a minus sign, and has any length.
-    long = data("eval", place / "tripod.toml", *POINT, "--gravity=-1,0,-10")
-    short = data("eval", place / "tripod.toml", *POINT, "-g", "-0.1,0,-1")
-    assert short["tip_angle_deg"] == pytest.approx(long["tip_angle_deg"], rel=1e-12)
 
 
 def test_a_map_agrees_with_read_and_with_the_recipe(place):

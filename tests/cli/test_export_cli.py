@@ -82,14 +82,6 @@ def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):
     assert "height" not in compiled
 
 
-def test_eval_of_an_export_prints_status_and_channels_with_units(place):
-    lines = good("eval", place / "firmware", *POINT).splitlines()
-    assert lines[0] == "tripod (compiled): stands"
-    assert lines[1] == "status     SMAP_OK"
-    assert re.fullmatch(r"sdg +0\.\d+ m", lines[2])
-    assert re.fullmatch(r"tip_angle +\d+\.\d+ deg", lines[3])
-
-
 @pytest.mark.parametrize(
     ("arguments", "status", "standing"),
     [

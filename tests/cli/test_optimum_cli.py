@@ -1,12 +1,10 @@
 """`lutgen optimum`: what it prints, in which units, and its exit codes."""
 
-import math
 import re
 from functools import partial
 
 import pytest
 
-import lutgen
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS
 
@@ -32,32 +30,6 @@ def test_the_last_node_is_shown_beside_a_better_one_seen_before():
     last = data(TWO, "--levels", 2)["last"]
     assert last["parameters"]["alpha"]["value_deg"] == pytest.approx(32.0, abs=1e-12)
     assert last["value"] > data(TWO, "--levels", 2)["value"]
-
-
-def test_the_json_equals_what_python_returns_in_degrees():
-    recipe = lutgen.load_recipe(TWO)
-    found = lutgen.optimum(
-        recipe, [0.2, 0.1, -1], "nelder-mead", "tip_angle", limit=math.radians(20)
-    )
-    report = data(
-        *(TWO, "-g", "0.2,0.1,-1", "--method", "nelder-mead", "--objective", "tip_angle"),
-        *("--limit", 20),
-    )
-    assert report["value_deg"] == math.degrees(found.value)
-    assert report["evaluations"] == found.evaluations
-    assert (report["method"], report["objective"]) == ("nelder-mead", "tip_angle")
-    for i, name in enumerate(("alpha", "gamma")):
-        entry = report["parameters"][name]
-        assert entry["value_deg"] == math.degrees(found.params[i])
-        assert entry["delta_deg"] == math.degrees(found.delta[i])
-        assert entry["acceptable_deg"] == [math.degrees(x) for x in found.acceptable[i]]
-        # At the ends of its range the objective is at the limit, or the range at its bound.
-        for end in found.acceptable[i]:
-            params = found.params.copy()
-            params[i] = end
-            angle = lutgen.evaluate(recipe, [params], [0.2, 0.1, -1], ("tip_angle",))["tip_angle"]
-            at_limit = abs(math.degrees(angle[0, 0]) - 20.0) < 1e-6
-            assert at_limit or math.degrees(end) in (0.0, 50.0)
 
 
 def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path):

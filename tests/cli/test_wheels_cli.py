@@ -8,7 +8,7 @@ import pytest
 import lutgen
 from lutgen.analysis import Posture, wheel_speeds
 from tests.cli.test_refusals_cli import DITCH
-from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.commands import data, good, run
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
@@ -28,20 +28,11 @@ def cart(tmp_path):
     return path
 
 
-def test_speeds_are_printed_per_wheel_with_their_units(cart, caplog):
-    head, columns, *rows = good("wheels", cart, *POSSIBLE).stdout.splitlines()
-    assert head == "cart: 2 DoF, non-steered (degree of mobility 2, of steerability 0)"
-    assert re.split("  +", columns) == ["wheel", "speed rad/s", "steering deg", "slip m/s"]
-    assert [row.split() for row in rows] == [
-        ["P1", "2.5", "-", "0"],
-        ["P2", "7.5", "-", "0"],
-        ["P4", "lifted"],
-    ]
+def test_a_wheel_in_the_air_has_no_speed_and_a_robot_that_tips_is_said_to(cart, caplog):
     report = data("wheels", cart, *POSSIBLE)
-    assert report["structure"]["degree_of_mobility"] == report["structure"]["dof"] == 2
-    first, _, lifted = report["wheels"]
-    assert first["speed_rad_s"] == pytest.approx(2.5)
-    assert (first["contact"], first["touches"], first["steering_deg"]) == ("P1", True, None)
+    first, second, lifted = report["wheels"]
+    # (v -+ w b) / r = (0.5 -+ 0.25) / 0.1
+    assert [first["speed_rad_s"], second["speed_rad_s"]] == pytest.approx([2.5, 7.5])
     empty = {"touches": False, "speed_rad_s": None, "steering_deg": None, "slip": None}
     assert lifted == {"contact": "P4", **empty}
     assert report["nearest"]["velocity"] == report["velocity"] == [0.5, -0.1]
@@ -50,28 +41,13 @@ def test_speeds_are_printed_per_wheel_with_their_units(cart, caplog):
     assert "the robot tips over" in caplog.text
 
 
-def test_an_impossible_motion_is_printed_in_full_with_the_nearest_that_is_possible(cart):
+def test_an_impossible_motion_comes_with_the_nearest_that_is_possible(cart):
     result = run("wheels", cart, *IMPOSSIBLE)
-    rows = result.stdout.splitlines()
-    assert (result.exit_code, rows[2].split()) == (1, ["P1", "2.5", "-", "0.1"])
-    assert rows[5].startswith("impossible: the wheels slip sideways by 0.141421 m/s in all")
-    report = data("wheels", cart, *IMPOSSIBLE, code=1)
-    assert report["slip"] == pytest.approx(0.1 * math.sqrt(2.0))
-    exact = wheel_speeds(Posture(lutgen.load_recipe(cart), []), (0.5, 0.0), 1.0)
-    assert report["nearest"]["velocity"] == pytest.approx(exact.nearest_velocity)
+    assert result.exit_code == 1
     # It can be asked for as it is printed.
     found = re.search(r"possible: velocity (\S+) m/s, yaw rate (\S+) deg/s", result.stdout)
     assert found is not None
     good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
-
-
-def test_steering_is_in_degrees_and_negative_velocities_are_read(tmp_path):
-    path = tmp_path / "steered.toml"
-    wheel = f'[[robot.wheel]]\ncontact = "P1"\nsteered = true\n{AXLE}'
-    path.write_text(rigid(CART + wheel, name="steered"))
-    (one,) = data("wheels", path, "--velocity", "-1,1")["wheels"]
-    assert one["steering_deg"] == pytest.approx(-45.0)
-    assert one["speed_rad_s"] == pytest.approx(-10.0 * math.sqrt(2.0))
 
 
 def test_parameters_and_gravity_choose_the_posture_and_its_ground():
@@ -84,11 +60,6 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground():
     exact = wheel_speeds(posture, (2.0, 1.0), math.radians(-30.0), (0.1, 0.0, -1.0))
     speeds = [wheel["speed_rad_s"] for wheel in report["wheels"]]
     assert speeds == pytest.approx([wheel.speed for wheel in exact.wheels])
-    # What -p leaves out is at home, or in the middle of its range, and the answer says so.
-    middle = stdout("wheels", recipe, "-p", "alpha=10")
-    assert "gamma = 25 deg (middle of the range: gamma)" in middle
-    whole = stdout("wheels", recipe, "-p", "alpha=10", "-p", "gamma=25")
-    assert [line for line in middle.splitlines() if "middle" not in line] == whole.splitlines()
 
 
 # stance
@@ -100,21 +71,6 @@ def ditch(tmp_path):
     path = tmp_path / "ditch.toml"
     path.write_text(DITCH)
     return path
-
-
-def test_a_stance_has_a_verdict_a_region_and_forces_that_balance(ditch):
-    report = data("stance", ditch)
-    assert (report["holds"], report["margin"], report["region_is_open"]) == (True, 0.0, False)
-    assert sorted(x for x, _ in report["region"]) == pytest.approx([-0.8, 0.8])
-    assert report["axes"] == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
-    left, right = report["feet"]
-    assert (left["name"], right["name"]) == ("P1", "right")
-    total = [a + b for a, b in zip(left["force"], right["force"], strict=True)]
-    assert total == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
-    # The lever's shares, and the normal of 45 deg.
-    x, _, z = right["force"]
-    assert (z, right["normal_force"]) == pytest.approx((0.65, (z - x) / math.sqrt(2.0)))
-    assert 0.0 <= left["friction_used"] <= 1.0 + 1e-6
 
 
 @pytest.mark.parametrize(

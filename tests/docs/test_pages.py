@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 from firmware_export import control, exporter
-from firmware_export.control import objective
+from firmware_export.control import maker
 from tests.fixtures.commands import run
 from tests.fixtures.documents import blocks, mixed
 from tests.fixtures.fits import untried
@@ -65,7 +65,7 @@ PAGES |= {
         Page(("trust",)),
         Page(("urdf",), ("named.toml",)),
         Page(("weigh",), ("scales.csv",), made=("weighed.toml",), whole=False),
-        Page(("wheels",), ("buggy.toml",), (0, 1)),
+        Page(("wheels",), codes=(0, 0, 1)),
     )
 }
 
@@ -82,7 +82,7 @@ def folder(tmp_path, monkeypatch):
     # What is certified on half a million points, and chosen of 4,200 postures, is seen on fewer.
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=5_000))
     monkeypatch.setattr(control, "policy", partial(control.policy, points=5_000))
-    monkeypatch.setattr(objective, "POSTURES", 40)
+    monkeypatch.setattr(maker, "POSTURES", 40)
     with untried():
         yield tmp_path
 
@@ -160,6 +160,9 @@ def test_the_python_of_the_page_prints_what_its_comments_say(name):
     files = PAGES[name].files if name in PAGES else ()
     for file, text in zip(files, blocks(page, "toml") + blocks(page, "csv"), strict=True):
         Path(file).write_text(text, encoding="utf-8")
+    for line in "".join(blocks(page, "sh")).splitlines():
+        if line.startswith("lutgen new"):
+            printed(line)
     (code,) = blocks(page, "python")
     # A colon begins what the number means.
     said = re.findall(r"^print\(.*\)  # (.*?)(?:: .*)?$", code, re.MULTILINE)

@@ -8,7 +8,7 @@ import pytest
 
 import lutgen
 from firmware_export.codecs import codec
-from firmware_export.contacts.room import LIMITS
+from firmware_export.contacts.codec import LIMITS
 from firmware_export.control import Wishes, design
 from firmware_export.truth import Model
 from lutgen.channels import evaluate_each

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from firmware_export.certify.answers import device
-from firmware_export.certify.certificate import Effort, certify
+from firmware_export.certify.certificate import certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import Series, series_of
@@ -21,7 +21,6 @@ from tests.fixtures.fits import untried
 from tests.fixtures.linkage import COARSEST, coded
 
 OK = 0
-EFFORT = Effort(12_000, 20, 12)
 
 
 @functools.cache
@@ -54,12 +53,12 @@ def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name):
 @pytest.mark.parametrize("name", ["legs", "wheels"])
 def test_the_worst_points_of_the_truth_find_no_false_safe(name):
     one = export_of(name)
-    found = certify(device(one), EXPORTABLE, effort=EFFORT)
+    found = certify(device(one), EXPORTABLE, points=12_000)
     assert found.false_safe == 0
     assert found.standing > 1000
     # A guard that leaves out what contacts are off would be found.
     bold = replace(one, tables=replace(one.tables, guard=4e-6))
-    assert name != "legs" or certify(device(bold), EXPORTABLE, effort=EFFORT).false_safe > 0
+    assert name != "legs" or certify(device(bold), EXPORTABLE, points=12_000).false_safe > 0
 
 
 def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():

@@ -18,8 +18,7 @@ from firmware_export.emit.runtime import control_file, control_text, runtime_fil
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
-from firmware_export.protocol import Export
-from firmware_export.protocol.array import CArray, literal
+from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size
@@ -137,7 +136,7 @@ def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(fold
 
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
 def test_a_float_reads_back_as_the_same_single(value):
-    text = literal(value, "float")
+    text = literal(value)
     assert re.fullmatch(r"-?\d+\.?\d*(e[-+]\d+)?f", text)
     assert "." in text or "e" in text
     assert np.float32(text[:-1]).tobytes() == np.float32(value).tobytes()
@@ -174,7 +173,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path, monkeyp
     values = [low - 1.0, low - 1e-5, low, 0.0, 0.123, 0.7, high, high + 1.0]
     # Just below the upper end: no rounding may carry it beyond 32767.
     values += [float(np.nextafter(np.float32(high), np.float32(0.0)))]
-    items = ", ".join(f"FEET_SWING_Q({literal(value, 'float')})" for value in values)
+    items = ", ".join(f"FEET_SWING_Q({literal(value)})" for value in values)
     (tmp_path / "main.c").write_text(
         '#include <stdio.h>\n#include "feet.h"\nint main(void) {\n'
         f"  const int16_t q[] = {{{items}}};\n  int once = 0;\n"

@@ -8,8 +8,7 @@ import pytest
 import lutgen
 from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts.many import many_of, order_of
-from firmware_export.contacts.shown import shown_contacts
+from firmware_export.contacts.many import many_of, order_of, shown_contacts
 from firmware_export.exporter import examine, guarded
 from firmware_export.protocol import describe
 from firmware_export.truth import Model

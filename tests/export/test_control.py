@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from firmware_export.contacts import INFO as contacts
-from firmware_export.control import maker, objective
+from firmware_export.control import maker
 from firmware_export.host import BLIND, Controller
 from firmware_export.protocol import Joint, Policy, describe
 from firmware_export.truth import Model
@@ -35,7 +35,7 @@ def paper():
     """Return the paper's robot with a price on moving, so that its table has something to say."""
     with pytest.MonkeyPatch.context() as patch:
         # What is promised of ways holds whatever the table says.
-        patch.setattr(objective, "POSTURES", 400)
+        patch.setattr(maker, "POSTURES", 400)
         patch.setattr(maker, "UNSEEN", 500)
         return robot("paper_two", objective="tip_angle-0.5*move2", within=1e-9)
 

@@ -10,7 +10,7 @@ import pytest
 from firmware_export.certify.answers import device
 from firmware_export.device import ExportFolder
 from firmware_export.emit import load_report, package
-from firmware_export.host import Host, library
+from firmware_export.host import Host, reader
 from firmware_export.protocol import restored
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.compiled import HostLibrary
@@ -101,9 +101,9 @@ def test_queries_of_another_shape_are_refused():
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
     """Return a copy of the runtime's folder that is used instead of it."""
-    place = shutil.copytree(library.RUNTIME, tmp_path / "runtime")
-    monkeypatch.setattr(library, "RUNTIME", place)
-    monkeypatch.setattr(library, "load_library", library.load_library.__wrapped__)
+    place = shutil.copytree(reader.RUNTIME, tmp_path / "runtime")
+    monkeypatch.setattr(reader, "RUNTIME", place)
+    monkeypatch.setattr(reader, "load_library", reader.load_library.__wrapped__)
     return place
 
 
@@ -111,15 +111,15 @@ def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere):
     for path in elsewhere.glob("_host*"):
         path.unlink()
     with pytest.raises(ExportError, match=r"install a C compiler, then lutgen again"):
-        library.load_library()
+        reader.load_library()
 
 
 def test_a_library_of_other_sources_is_refused(elsewhere):
-    assert library.load_library().smap_points_host_sources()
+    assert reader.load_library().smap_points_host_sources()
     path = elsewhere / "smap_three.h"
     path.write_text(path.read_text() + "\n/* changed */\n")
     with pytest.raises(ExportError, match="was built from other files"):
-        library.load_library()
+        reader.load_library()
 
 
 # The folder

@@ -9,8 +9,7 @@ import pytest
 import lutgen
 from firmware_export.truth import least_edge_of, widened
 from firmware_export.truth.model import Model
-from firmware_export.truth.sample import Cells, biased, uniform
-from firmware_export.truth.tip_boundary import on_chart
+from firmware_export.truth.sample import biased, on_chart, uniform
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
@@ -77,8 +76,7 @@ def test_many_postures_are_at_ends_of_the_box_and_in_the_middles_of_cells():
     assert at_end.all(axis=1).mean() > 0.1
     corners = {tuple(row) for row in t[at_end.all(axis=1)].tolist()}
     assert corners == {(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)}
-    knots = (np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.0]))
-    cells = Cells(knots, np.array([-1.0, 1.0]), np.array([-1.0, 1.0]))
+    cells = (np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.0]))
     t = normalised(CONE, biased(CONE, 4000, 5, cells))
     for column, middles in enumerate([(0.15, 0.65), (0.25, 0.75)]):
         for middle in middles:

@@ -53,25 +53,3 @@ def test_corners_that_are_nan_are_left_out_of_the_mean():
     assert got[0] == pytest.approx((3 * 1.0 + 3 * 2.0 + 1 * 4.0) / 7, rel=1e-15)
     assert got[1] == 4.0
     assert present.tolist() == pytest.approx([7 / 8, 0.25], rel=1e-15)
-
-
-def test_the_mean_is_nan_only_where_no_corner_is_a_number():
-    axes = [np.arange(4.0)]
-    values = np.array([5.0, np.nan, np.nan, 7.0])
-    points = np.array([[0.0], [0.999], [1.0], [1.5], [2.0], [2.001], [3.0]])
-    got, present = interpolate(values, located(axes, points))
-    assert np.isnan(got).tolist() == [False, False, True, True, True, False, False]
-    assert got[[0, 1, 5, 6]].tolist() == [5.0, 5.0, 7.0, 7.0]
-    assert present[[2, 3, 4]].tolist() == [0.0, 0.0, 0.0]
-
-
-def test_the_face_is_taken_as_it_is_between_parameters_and_v_u():
-    rng = np.random.default_rng(5)
-    axes = random_axes(rng, 3)
-    values = rng.normal(size=(axes[0].size, 6, axes[1].size, axes[2].size))
-    points = random_points(rng, axes)
-    face = rng.integers(0, 6, len(points))
-    got, _ = interpolate(values, located(axes, points), (face,))
-    for k in range(6):
-        alone, _ = interpolate(values[:, k], located(axes, points[face == k]))
-        np.testing.assert_array_equal(got[face == k], alone)

@@ -138,13 +138,6 @@ def test_a_status_is_the_worst_of_the_nodes_around_and_that_of_a_node_itself(roc
     np.testing.assert_array_equal(at_nodes, nodes.ravel())
 
 
-def test_all_channels_say_the_same_of_what_tips(rocks):
-    tips = rocks["status"] == TIPS
-    np.testing.assert_array_equal(rocks["tip_angle"] < 0.0, tips)
-    np.testing.assert_array_equal(np.isnan(rocks["sdg"]), tips)
-    np.testing.assert_array_equal(rocks["facet"] == -1.0, tips)
-
-
 def test_factor_and_height_are_nan_exactly_where_the_angle_says_that_it_tips(cone, swept):
     params, gravity = queries(2000, 0.8)
     got = cone.read(params, gravity)

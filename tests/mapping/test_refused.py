@@ -174,13 +174,10 @@ def edit(path, key, value):
     ("key", "value", "said"),
     [
         ("lutgen_format", 1, "no lutgen map of this format .*make it again"),
-        ("lutgen_format", "2", "no lutgen map of this format"),
         ("lutgen_format", [2, 2], "no lutgen map of this format"),
         ("lutgen_format", None, "no lutgen map of this format .got lutgen_format = None"),
         ("lutgen_definition", 2, "another definition of what stands .*make it again"),
-        ("lutgen_definition", None, "another definition of what stands"),
         ("complete", 0, "not complete .*--resume"),
-        ("complete", None, "not complete"),
         ("recipe", None, "lacks the attribute `recipe`"),
         ("recipe", "x = 1", "recipe does not match its digest"),
         ("recipe_sha256", np.ones((3, 3)), "recipe does not match its digest"),

@@ -17,8 +17,9 @@ import lutgen
 from lutgen.errors import InputError, MapFileError, RecipeError
 from lutgen.mapping import StabilityMap, expected_seconds, sweeper, verify
 from lutgen.mapping.compute import Computer
-from lutgen.mapping.head import Block, plan
+from lutgen.mapping.head import BLOCK_NODES, Block, plan
 from lutgen.recipe import Recipe
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rover, sweep_part, tripod
 
 ROBOTS = {
@@ -77,6 +78,13 @@ def test_values_depend_neither_on_threads_nor_on_the_size_of_blocks(
         found = lutgen.sweep(recipe, tmp_path / "cut.h5", threads=numba.config.NUMBA_NUM_THREADS)
         assert values(found) == whole, size
         verify(found)
+
+
+@pytest.mark.parametrize("name", ["paper_two", "marv", "excavator"])
+def test_a_block_fills_at_least_half_of_what_it_may_hold(name: str) -> None:
+    # Blocks of one row each would keep to the limit too, and be slow.
+    recipe = lutgen.load_recipe(MAPS / f"{name}.toml")
+    assert BLOCK_NODES / 2 < plan(recipe).rows * recipe.chart.nodes <= BLOCK_NODES
 
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two cores")

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.plot.painter import Camera, box, frame_of, from_the_back
+from lutgen.plot.painter import Camera, box, from_the_back
 from lutgen.plot.solids import solids_of
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, rigid
@@ -46,17 +46,6 @@ def test_of_two_solids_the_nearer_one_is_painted_later():
             assert [n for _, n in met] == sorted(n for _, n in met)
             compared += len(met) > 1
     assert compared > 60
-
-
-@pytest.mark.parametrize("gravity", [[0, 0, -1], [0.6, 0, -0.8], [-0.3, 0.5, -0.81], [1, 0, 0]])
-def test_gravity_points_down_the_page_and_the_nose_ahead(gravity):
-    down = np.array(gravity) / np.linalg.norm(gravity)
-    turn = frame_of(-down)
-    # A few products of unit vectors.
-    np.testing.assert_allclose(turn @ down, [0.0, 0.0, -1.0], atol=1e-12)
-    np.testing.assert_allclose(turn @ turn.T, UP, atol=1e-12)
-    assert np.linalg.det(turn) == pytest.approx(1.0)
-    assert abs((turn @ UP[0])[1]) < 1e-12
 
 
 def test_a_wheel_is_as_wide_as_it_says_and_lies_inwards_of_its_rim():

@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.contour import QuadContourSet
+from PIL import Image
 
 import lutgen
 from lutgen import plot
@@ -220,7 +221,7 @@ def test_same_figure_is_the_same_bytes_whatever_matplotlib_is_set_to(two, tmp_pa
         with mpl.rc_context({"font.size": size, "axes.grid": size > 30.0}):
             before, figure = dict(mpl.rcParams), plot.draw("polar", two)
             for suffix in ("png", "svg", "pdf"):
-                plot.save(figure, tmp_path / f"{name}.{suffix}")
+                plot.save(figure, tmp_path / f"{name}.{suffix}", dpi=40)
             assert dict(mpl.rcParams) == before
     for suffix in ("png", "svg", "pdf"):
         content = (tmp_path / f"odd.{suffix}").read_bytes()
@@ -228,6 +229,14 @@ def test_same_figure_is_the_same_bytes_whatever_matplotlib_is_set_to(two, tmp_pa
         assert not re.search(rb"20[0-9]{2}-[01][0-9]|CreationDate|dc:date", content)
     code = "import sys, lutgen.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_large_picture_keeps_256_colours_and_white_stays_white(contour, tmp_path, monkeypatch):
+    monkeypatch.setattr("lutgen.plot.style.LARGEST", 1000)
+    plot.save(contour, tmp_path / "few.png", dpi=40)
+    with Image.open(tmp_path / "few.png") as few:
+        assert few.mode == "P"
+        assert few.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
 
 
 def refused(source, kind, fragment, **options):

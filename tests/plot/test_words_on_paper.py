@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
-from lutgen.plot import draw, on_sheet
-from lutgen.plot.fonts import said_once
-from lutgen.plot.style import ANGLES, FACTOR, ink_on
+from lutgen.plot import draw, draw_path, on_sheet
+from lutgen.plot.style import ANGLES, FACTOR, ink_on, said_once
 from lutgen.recipe import parse_recipe
+from lutgen.search import drive
+from lutgen.search.terrain import along
 from tests.fixtures.length import part
 from tests.fixtures.recipes import tripod
 
@@ -98,6 +99,22 @@ def test_words_stay_apart_at_the_narrowest_size():
             check(figure, kind)
     with on_sheet("200x80", "dark"):
         assert draw("robot", strange(3)).get_figheight() <= 80.0 / 25.4 + 1e-9
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
+        [[0, 0, 0], [0, 50, 0.5], [3, 90, 0.2]],
+        [[1e6, 5, 0], [1e6 + 1, 5, 2], [1e6 + 1.5, 5, 3]],
+    ],
+)
+def test_words_of_any_path_cover_nothing(two, points):
+    rates = {"alpha": 0.001}
+    straight = drive(two, along(points), control=False)
+    free = drive(two, along(points), lag=0, headings=8, rates=rates, speed=1.0)
+    for runs in ({"turning": free}, {"fixed": straight, "turning": free}, {"fixed": straight}):
+        check(draw_path(two, runs), list(runs))
 
 
 def test_letters_on_colours_can_be_read():

@@ -50,39 +50,6 @@ def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
     assert [part.kind for part in shaped(box, collision('sphere radius="1"'))] == ["sphere"]
 
 
-def cart(*extra: str) -> UrdfRobot:
-    """Return a body on two wheels and a castor, with a mast, from extra parts."""
-    wheel = collision('cylinder radius="0.2" length="0.1"', rpy=QUARTER)
-    return parse_urdf(
-        robot(
-            link("base", 10.0, "0 0 0.4"),
-            link("left", 1.0, inside=wheel),
-            link("right", 1.0, inside=wheel),
-            link("castor", 0.5, inside=collision('sphere radius="0.1"', "0 0 -0.1")),
-            link("mast", 1.0, "0 0 1", collision('cylinder radius="0.1" length="1"', "0 0 1")),
-            joint("lw", "continuous", "base", "left", '<axis xyz="0 1 0"/>', "0.3 0.5 0.2"),
-            joint("rw", "continuous", "base", "right", '<axis xyz="0 1 0"/>', "0.3 -0.5 0.2"),
-            joint("cj", "continuous", "base", "castor", '<axis xyz="0 0 1"/>', "-0.4 0 0.2"),
-            joint("mj", "continuous", "base", "mast", '<axis xyz="1 0 0"/>', "0 0 0.3"),
-            *extra,
-        )
-    )
-
-
-def test_what_is_below_the_com_is_proposed_and_joints_on_axles_move_nothing() -> None:
-    described = cart()
-    motion = read_motion(described)
-    contacts = proposed_contacts(described, places(described, motion))
-    # And not the mast.
-    assert [part.name for part in contacts] == ["left_1", "left_2", "right_1", "right_2", "castor"]
-    found = effects(described, motion, contacts)
-    # The castor's com lies in its joint, its sphere below it on the axis.
-    for name in ("lw", "rw", "cj"):
-        assert found[name] == pytest.approx((0.0, 0.0), abs=1e-12)
-    # The mast: 1 of 13.5 kg, from one side to the other on an arm of 1 m.
-    assert found["mj"] == pytest.approx((0.0, 2.0 / 13.5))
-
-
 def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries() -> None:
     wheel = collision('cylinder radius="0.2" length="0"', rpy=QUARTER)
     limits = '<limit lower="-0.5" upper="0.5"/>'

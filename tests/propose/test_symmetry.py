@@ -16,7 +16,6 @@ STANDING = load_srdf(VECTORS / "quadruped.srdf", load_urdf(VECTORS / "quadruped.
     "standing"
 ]
 LEGS = ("FL", "FR", "RL", "RR")
-ALL_HIPS = {"FL_hip_joint": 1.0, "FR_hip_joint": -1.0, "RL_hip_joint": 1.0, "RR_hip_joint": -1.0}
 
 
 def axis(text, joint, turned):
@@ -31,41 +30,6 @@ def proposed(robot, posture=None):
     """Return the signs of each proposed parameter, in the order of the legs."""
     found = import_urdf(robot, posture=posture or STANDING).couples
     return {name: list(joints.values()) for name, joints in found.items()}
-
-
-def test_legs_that_bend_the_same_way_move_the_same_way():
-    found = import_urdf(parse_urdf(QUADRUPED), posture=STANDING)
-    assert found.couples["hip"] == ALL_HIPS
-    assert set(found.couples["thigh"].values()) == {1.0}
-    assert set(found.couples["knee"].values()) == {1.0}
-    assert found.because == "12 joints move contacts or com"
-    assert [p.name for p in found.recipe.parameters] == ["hip", "thigh", "knee"]
-
-
-def test_legs_whose_knees_point_at_each_other_mirror_each_other():
-    text = QUADRUPED
-    for leg in ("RL", "RR"):
-        text = re.sub(
-            rf'(name="{leg}_knee_joint".*?)lower="-2.6" upper="-0.5"',
-            r'\1lower="0.5" upper="2.6"',
-            text,
-            flags=re.DOTALL,
-        )
-        text = re.sub(
-            rf'(name="{leg}_thigh_joint".*?)lower="-1" upper="3"',
-            r'\1lower="-3" upper="1"',
-            text,
-            flags=re.DOTALL,
-        )
-    posture = {
-        name: -value if name[0] == "R" and "hip" not in name else value
-        for name, value in STANDING.items()
-    }
-    assert proposed(parse_urdf(text), posture) == {
-        "hip": [1.0, -1.0, 1.0, -1.0],
-        "thigh": [1.0, 1.0, -1.0, -1.0],
-        "knee": [1.0, 1.0, -1.0, -1.0],
-    }
 
 
 def test_the_sign_comes_from_the_axis_and_not_from_the_name():
@@ -133,19 +97,3 @@ def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot():
         parse_urdf(QUADRUPED), posture=STANDING, coupling=Coupling(("hips=+*_hip_joint",))
     ).recipe
     assert abs(forward(sway, [[0.3]]).com[0, 1]) > 1e-3
-
-
-def test_coupled_legs_are_where_independent_ones_are_at_the_same_angles():
-    robot = parse_urdf(QUADRUPED)
-    recipe = coupled()
-    names = [f"{leg}_{part}_joint" for leg in LEGS for part in ("hip", "thigh", "knee")]
-    loose = import_urdf(robot, joints=names, posture=STANDING).recipe
-    rng = np.random.default_rng(4)
-    three = rng.uniform(-0.5, 0.5, (50, 3)) + np.array([0.0, 0.7, -1.4])
-    signs = np.array([1.0, -1.0, 1.0, -1.0])
-    twelve = np.stack(
-        [np.outer(three[:, 0], signs)] + [np.outer(three[:, i], [1] * 4) for i in (1, 2)]
-    )
-    one, two = forward(recipe, three), forward(loose, np.moveaxis(twelve, 0, 2).reshape(50, 12))
-    assert np.array_equal(one.centres, two.centres)
-    assert np.array_equal(one.com, two.com)

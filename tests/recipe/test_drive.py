@@ -60,6 +60,10 @@ ROOM = "the limits of 'arms', 'right_arm_joint'"
     ("text", "said"),
     [
         (recipe_text("drive = { arm = 1.0 }"), "1].drive.arm`: is no moving joint of the descrip"),
+        (
+            recipe_text("drive = { lens_mount = 1.0 }"),
+            "drive.lens_mount`: is no moving",
+        ),
         (recipe_text("drive = { arms = 0 }"), "drive.arms`: must not be zero"),
         (recipe_text("drive = { arms = { scale = 0.0 } }"), "drive.arms.scale`: must not be zero"),
         (recipe_text('drive = { arms = "1" }'), "drive.arms`: must be a number"),

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.errors import RecipeError
+from lutgen.errors import InputError, RecipeError
 from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
-from lutgen.recipe import HDF5
+from lutgen.recipe import HDF5, forward
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.every_key import CODED, EVERYTHING
 from tests.fixtures.pulled import BOX
@@ -118,11 +118,6 @@ def test_a_payload_moves_the_com_as_a_link_of_its_mass_does():
     assert lutgen.postures(recipe, np.zeros((1, 0)))[1][0] == pytest.approx([0.1, 0.0, 0.05])
 
 
-def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
-    recipe = parse_recipe(rigid(feet([(0, 0, 0), (1, 0, 0), (2, 0, 0)])))
-    assert (recipe.parameters, recipe.grid.shape, recipe.grid.size) == ((), (), 1)
-
-
 @pytest.mark.parametrize(
     ("flash", "error", "kept"),
     [("16384", "0.01", ("16384", "0.01")), ('"16 KiB"', "1", ("16 KiB", "1"))],
@@ -177,6 +172,7 @@ def flat(q): return np.zeros((len(q), 3)), np.zeros((len(q), 3))
 def pair(q): return np.zeros((len(q), 2, 3)), np.zeros((len(q), 3))
 def lone(q): return np.zeros((len(q), 3, 3))
 def lost(q): return np.full((len(q), 3, 3), np.nan), np.zeros((len(q), 3))
+def late(q): return feet(q) if len(q) == 1 and q[0, 0] < 9.0 else (np.zeros((2, 3, 3)), q)
 number = 3
 """
 
@@ -208,6 +204,11 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
     contacts, com = recipe.function(np.array([[2.0]]))
     assert contacts[0, 0].tolist() == [2.0, 0.0, -1.0]
     assert com.tolist() == [[0.0, 0.0, 0.5]]
+    assert forward(recipe, [[2.0]]).centres[0, 0].tolist() == [2.0, 0.0, -1.5]
+    late = coded("coded_robot:late")
+    assert forward(late, [[3.0]]).com.tolist() == [[0.0, 0.0, 0.5]]
+    with pytest.raises(InputError, match=r"must return contacts \(8, 3, 3\)"):
+        forward(late, np.zeros((8, 1)))
 
 
 @pytest.mark.parametrize(

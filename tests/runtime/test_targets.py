@@ -48,7 +48,7 @@ def test_one_wrong_bit_in_a_table_gives_another_hash(row):
 
 @pytest.mark.needs(*ON["m4f"].programs)
 def test_a_chip_commands_what_this_machine_does_bit_for_bit(tmp_path, monkeypatch):
-    monkeypatch.setattr("firmware_export.control.objective.POSTURES", 100)
+    monkeypatch.setattr("firmware_export.control.maker.POSTURES", 100)
     monkeypatch.setattr(control, "BUILD", tmp_path)
     robot = control.prepared("paper_two")
     same, counts, _ = control.execute(robot, ON["m4f"], "-O2")

@@ -7,11 +7,7 @@ import pytest
 
 import lutgen
 from lutgen.search.methods import STEPS, acceptable_range, half_widths
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
-
-A0 = math.atan(0.6)
-RADIUS = math.sqrt(20.0**2 + 12.0**2)
 
 
 def tent(points):
@@ -44,25 +40,6 @@ def test_delta_is_the_distance_to_the_nearer_end_that_is_no_bound():
     ):
         found = half_widths(np.array([interval]), np.array([3.0]), np.array([[0.0, 10.0]]))
         assert found.tolist() == [delta]
-
-
-def test_the_range_of_the_papers_robot_ends_where_the_plane_through_its_wheels_says():
-    recipe, limit = lutgen.load_recipe(MAPS / "paper_one.toml"), 0.5
-    found = lutgen.optimum(recipe, [0, 0, -1], "nelder-mead", limit=limit)
-    low, high = found.acceptable[0]
-    assert low < A0 < high
-    turns = np.radians([0.0, 120.0, 240.0])
-    for alpha in (low, high):
-        e = np.array([alpha, A0, A0])
-        wheels = np.stack([np.cos(e) * np.cos(turns), np.cos(e) * np.sin(turns), -np.sin(e)], 1)
-        wheels *= RADIUS
-        normal = np.cross(wheels[1] - wheels[0], wheels[2] - wheels[0])
-        pierced = np.array([0.0, 0.0, normal @ wheels[0] / normal[2]])
-        # The ends are known to 1e-12: the cost there is the limit.
-        reading = np.linalg.norm(pierced - wheels.mean(axis=0))
-        assert reading == pytest.approx(limit, abs=1e-10)
-    nearer = min(high - found.params[0], found.params[0] - low)
-    assert found.delta[0] == pytest.approx(nearer, abs=1e-14)  # turned to deg and back
 
 
 def test_the_first_violation_ends_the_range_though_the_cost_falls_again():

@@ -9,35 +9,23 @@ import pytest
 from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
+from lutgen.paper.model import TO_THE_LEFT, paper_recipe
+from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.optima import optimum
 from lutgen.search.terrain import Path, along, paper_path, turned
-from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 NOMINAL = [math.atan(0.6)] * 2
 FLAT = along([[0, 0, 0], [4, 0, 0], [8, 0, 0], [12, 0, 0], [12.5, 0, 0]])
-# Where the paper's robot tips over: without control, with it, and with right-end nodes.
-FIXED = [
-    *(*range(9), *range(10, 24), *range(26, 36), *range(38, 48), *range(52, 60)),
-    *(*range(64, 72), *range(77, 84), *range(90, 96)),
-]
+# Where the paper's robot tips over with control.
 LEFT = [*range(8), *range(11, 23), 30, 31]
 
 
 @pytest.fixture(scope="module")
 def robot() -> Recipe:
     """Return the paper's robot with its wheels at 30, 150 and 270 deg."""
-    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
-    for old, new in (
-        ("rpy = [0, 0, 0]", "rpy = [0, 0, 30]"),
-        ("rpy = [0, 0, 120]", "rpy = [0, 0, 150]"),
-        ("073525, 240]", "073525, 270]"),
-    ):
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    return parse_recipe(text)
+    return paper_recipe(azimuths=TO_THE_LEFT)
 
 
 def at(run: Drive) -> list[int]:
@@ -54,7 +42,10 @@ def percent(robot: Recipe, path: Path, **options: Any) -> float:
 
 def test_without_control_the_robot_tips_over_at_72_of_100_points(robot: Recipe) -> None:
     run = drive(robot, paper_path(), control=False, params0=NOMINAL)
-    assert at(run) == FIXED
+    # The edge from P1 to P3 is 10 from the com, 30 deg off the heading; dz/dx by the power rule.
+    s = run.path.position[:, 0]
+    slope = 15.0 * (np.sin(2.0 * s) / s - (np.sin(s) / s) ** 2)
+    assert at(run) == np.flatnonzero(np.abs(slope) > 10.0 / math.cos(math.pi / 6.0) / 12.0).tolist()
     assert run.share == 0.72
     assert run.evaluations == 0
     assert (run.params == NOMINAL).all()
@@ -64,13 +55,6 @@ def test_with_control_it_tips_over_at_22(robot: Recipe) -> None:
     run = drive(robot, paper_path(), params0=NOMINAL)
     assert at(run) == LEFT
     assert run.evaluations == 150 * 99
-
-
-def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees() -> None:
-    two = load_recipe(MAPS / "paper_two.toml")
-    path = turned(paper_path(), math.radians(30.0))
-    assert at(drive(two, path, control=False, params0=NOMINAL)) == FIXED
-    assert at(drive(two, path, params0=NOMINAL)) == LEFT
 
 
 def test_right_ends_give_24_and_without_lag_23(robot: Recipe) -> None:
@@ -142,42 +126,7 @@ def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None
     assert run.channels["sdg"][3] < 0.001
 
 
-def test_an_unlimited_rate_is_no_limit_and_no_rate_is_no_control(robot: Recipe) -> None:
-    path = paper_path(15)
-    free = drive(robot, path, params0=NOMINAL)
-    endless = {"alpha": math.inf, "gamma": math.inf}
-    run = drive(robot, path, params0=NOMINAL, rates=endless, speed=1.0)
-    np.testing.assert_array_equal(run.params, free.params)
-    run = drive(robot, path, params0=NOMINAL, rates={"alpha": 0, "gamma": 0}, speed=1.0)
-    assert (run.params == NOMINAL).all()
-    np.testing.assert_array_equal(run.wanted, free.params)
-
-
 # Turning
-
-
-@pytest.mark.parametrize("control", [True, False])
-def test_a_robot_that_may_turn_is_at_least_as_good(robot: Recipe, control: bool) -> None:
-    path = paper_path(40)
-    options: dict[str, Any] = {"control": control, "lag": 0, "params0": NOMINAL}
-    straight = drive(robot, path, **options)
-    free = drive(robot, path, headings=8, **options)
-    assert not (free.tips & ~straight.tips).any()
-    both = ~straight.tips
-    better = straight.channels["sdg"] - free.channels["sdg"]
-    # Headings within 1e-9 are equally good.
-    assert (better[both] >= -1e-9).all()
-    assert free.tips.sum() < straight.tips.sum()
-    assert set(np.round(np.degrees(free.turn)) % 45) == {0}
-    assert free.evaluations <= 8 * (150 if control else 1) * 40
-
-
-def test_of_turning_and_changing_shape_both_together_do_most(robot: Recipe) -> None:
-    assert percent(robot, paper_path(), control=False, headings=12) == 54
-    assert percent(robot, paper_path(), headings=12) == 15
-    # |SD_g| of the regular triangle is the same in all headings; its tip angle is not.
-    turning = {"control": False, "headings": 12, "objective": "tip_angle"}
-    assert percent(robot, paper_path(), **turning) == 48
 
 
 def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lutgen.search.methods import multistart, nelder_mead, refine, smallest_node
+from lutgen.search.methods import multistart, nelder_mead
 
 BOX = np.array([[-3.0, 5.0], [0.0, 2.0]])
 
@@ -30,43 +30,6 @@ def waves(points):
     """Return Rastrigin's function about (0.7, 0.7, ...): one minimum in each unit square."""
     x = points - 0.7
     return np.asarray((x**2 - np.cos(2.0 * np.pi * x) + 1.0).sum(axis=1))
-
-
-def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells():
-    (step,) = refine(bowl, np.array([[0.0, 50.0], [100.0, 200.0]]), 1)
-    assert sorted(set(step.nodes[:, 0])) == [0.0, 10.0, 20.0, 30.0, 40.0]
-    assert sorted(set(step.nodes[:, 1])) == [100.0, 120.0, 140.0, 160.0, 180.0]
-    assert len(step.nodes) == step.evaluations == 25
-    (step,) = refine(bowl, np.array([[0.0, 50.0]]), 1, "right")
-    assert step.nodes[:, 0].tolist() == [10.0, 20.0, 30.0, 40.0, 50.0]
-    for ends in ("left", "right"):
-        for step in refine(lambda x: x[:, 0], np.array([[2.0, 7.0], [0.0, 1.0]]), 6, ends):
-            assert (step.nodes >= [2.0, 0.0]).all()
-            assert (step.nodes <= [7.0, 1.0]).all()
-
-
-def test_each_interval_is_the_best_node_with_one_spacing_to_either_side():
-    steps = refine(bowl, np.array([[-25.0, 25.0]]), 4)
-    # By hand: 5 is 4 away from 1, -5 is 6 away; spacings 10, 4, 1.6, 0.64.  Sums of decimals.
-    hand = [
-        [-25, -15, -5, 5, 15],
-        [-5, -1, 3, 7, 11],
-        [-5, -3.4, -1.8, -0.2, 1.4],
-        [-0.2, 0.44, 1.08, 1.72, 2.36],
-    ]
-    for step, nodes in zip(steps, hand, strict=True):
-        assert step.nodes[:, 0] == pytest.approx(nodes, abs=1e-13)
-    assert [float(step.params[0]) for step in steps] == pytest.approx([5, -1, 1.4, 1.08], abs=1e-13)
-    # Worse than 5 to 1.4 would be; -1 is better than 5, 1.4 better than -1: costs 16, 4, 0.16.
-    assert [step.value for step in steps] == pytest.approx([16, 4, 0.16, 0.0064], abs=1e-12)
-
-
-def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals():
-    blocks = [np.array([[3.0], [2.0]]), np.array([[1.5], [0.5]]), np.array([[4.0]])]
-    cost = Counted(bowl)
-    (step,) = smallest_node(cost, iter(blocks))
-    assert (step.params.tolist(), step.value, step.evaluations) == ([1.5], 0.25, 5)
-    assert len(cost.rows) == 5
 
 
 @pytest.mark.parametrize("start", [(-3.0, 0.0), (1.0, 1.0), (4.9, 0.01)])
@@ -109,18 +72,3 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
         lost += bool(nelder_mead(waves, box, start)[-1].value > 0.1)
     # A guard that any method passes proves nothing.
     assert lost >= 3
-
-
-def test_the_candidates_fill_the_box_evenly_and_follow_the_seed():
-    start = np.array([0.0, 1.0])
-    nodes = multistart(bowl, BOX, start, 7)[0].nodes[1:]
-    assert nodes.tolist() == multistart(bowl, BOX, start, 7)[0].nodes[1:].tolist()
-    assert nodes.tolist() != multistart(bowl, BOX, start, 8)[0].nodes[1:].tolist()
-    share = (nodes - BOX[:, 0]) / (BOX[:, 1] - BOX[:, 0])
-    assert share.min() >= 0.0
-    assert share.max() < 1.0
-    # 256 points of a digital net: an even share of them in each of 8 x 8 cells, but for the
-    # shift.  Independent random points leave a cell empty or overfull nearly always.
-    counts = np.histogram2d(share[:, 0], share[:, 1], bins=8)[0]
-    assert counts.min() >= 2
-    assert counts.max() <= 6

@@ -68,15 +68,15 @@ def test_any_number_of_parameters_is_searched_but_by_a_mesh_of_at_most_eight():
     recipe, down = lutgen.parse_recipe("".join(parts) + feet + samples), [0.15, 0.1, -1.0]
     with pytest.raises(InputError, match=r"at most 8 parameters \(got 9, or 5\^9 nodes a step\)"):
         lutgen.optimum(recipe, down)
-    box = np.array([[0.5, 0.5]] * 5 + [[0.3, 0.9]] * 4)
+    box, best = np.array([[0.5, 0.5]] * 5 + [[0.3, 0.9]] * 4), {}
     for method in METHODS:
         found = lutgen.optimum(recipe, down, method, levels=1, bounds=box)
         assert ((found.params >= box[:, 0] - 1e-12) & (found.params <= box[:, 1] + 1e-12)).all()
         assert found.params[:5].tolist() == [0.5] * 5
         assert found.acceptable.shape == (count, 2)
-    best = lutgen.optimum(recipe, down, "multistart", bounds=box).value
+        best[method] = found.value
     drawn = np.random.default_rng(9).uniform(*box.T, (500, count))
-    assert best <= Objective(recipe, down).cost(drawn).min()
+    assert best["multistart"] <= Objective(recipe, down).cost(drawn).min()
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -105,23 +105,6 @@ def test_what_makes_no_sense_is_refused(two):
             lutgen.optimum(two, LEVEL, **arguments)
     with pytest.raises(InputError):
         lutgen.optimum(two, [0, 0, math.nan])
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_the_evaluations_are_those_made(monkeypatch, two, method):
-    counted = [0]
-    cost = Objective._cost
-
-    def counting(self, rows, down):
-        counted[0] += len(rows)
-        return np.asarray(cost(self, rows, down))
-
-    monkeypatch.setattr(Objective, "_cost", counting)
-    # The ranges are no part of the method: without them nothing else is evaluated.
-    monkeypatch.setattr("lutgen.search.optima.acceptable_range", lambda *_: np.zeros((2, 2)))
-    found = lutgen.optimum(two, LEVEL, method)
-    assert found.evaluations == counted[0] > 0
-    assert found.trace[-1].evaluations == counted[0]
 
 
 def test_the_value_is_that_of_the_parameters_returned():
@@ -158,13 +141,6 @@ def test_a_parameter_with_equal_bounds_keeps_its_value(two, method):
     assert all(
         (step.params[1] == kept) and (step.nodes[:, 1] == kept).all() for step in found.trace
     )
-    # Along the line alpha is best where the first-order form is, about (A0 + gamma) / 2.
-    line = np.radians(np.linspace(0.0, 50.0, 5001))
-    sdg = lutgen.evaluate(two, np.stack([line, 0 * line + kept], axis=1), LEVEL, ("sdg",))["sdg"]
-    # 0.5 deg is half a step of the map.
-    best = np.degrees(line[np.nanargmin(sdg)])
-    assert np.degrees(found.params[0]) == pytest.approx(best, abs=0.52)
-    assert found.value < np.nanmin(sdg) + 0.01
 
 
 # Global optima
@@ -205,7 +181,10 @@ def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks():
     assert cost(mesh).min() > lowest
     start = np.random.default_rng(1).uniform(BOX[:, 0], BOX[:, 1])
     assert multistart(cost, BOX, start, 1)[-1].value == pytest.approx(lowest, abs=1e-6)
-    assert min(step.value for step in refine(cost, BOX)) > lowest + 1e-3
+    assert (
+        min(step.value for step in refine(lambda nodes: cost(nodes[0])[None], BOX)[0])
+        > lowest + 1e-3
+    )
     # The oracle knows no search for facets: the value, and why there is no better one beside it.
     value, missing = seen_by_the_oracle(goal, [-169.35215779, -0.18827025])
     assert value == pytest.approx(lowest, abs=1e-9)

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from lutgen.support import FACETS, SHOWN, acceptance, empty_region, stand
 from tests.oracles.primitives import Floats, size_of, unit
-from tests.oracles.standing import Limits, Standing
+from tests.oracles.standing import Limits, Standing, facets_of
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 FAMILIES = ("points", "mixed", "cars", "leaning")
@@ -71,6 +72,19 @@ def exact(family: str, rng: np.random.Generator) -> Floats:
     wheels = rng.random() < 0.3
     rows = rows_of(centre, np.tile([0.0, 1.0, 0.0], (len(flat), 1)), 0.1 * wheels, DISC * wheels)
     return np.asarray(rows[rng.permutation(len(rows))])
+
+
+def assert_every_facet_once(rows: Floats, upright: float) -> None:
+    """Demand that lutgen finds the support facets within `upright` (deg) that the oracle does."""
+    region, least = empty_region(len(rows)), math.cos(math.radians(upright))
+    stand(region, rows, acceptance(math.radians(upright), 0.5))
+    shown = region.shown[: region.counts[SHOWN]].copy()
+    truth = [f.normal for f in facets_of(shown) if -f.normal[2] > least]
+    normals = region.facet[: region.counts[FACETS]]["normal"]
+    found = normals[-normals[:, 2] > least]
+    assert len(found) == len(truth) > 0
+    for normal in truth:
+        assert np.abs(found - normal).max(axis=1).min() < 1e-8
 
 
 def below(rng: np.random.Generator, count: int) -> Floats:

@@ -37,8 +37,6 @@ def test_nobody_stands_on_the_face_of_a_wheel(discs):
     assert not stands(4.99, 85.0, discs)
     assert stands(5.01, 85.0, discs)
     assert stands(10.01, 45.0, discs)
-
-
-def test_a_robot_that_may_lie_on_its_side_may_lie_on_its_wheels():
+    # A robot that may lie on its side may lie on its wheels.
     assert stands(0.1, 90.0)
     assert stands(0.1, 180.0)

@@ -9,12 +9,18 @@ import lutgen
 from lutgen.channels import evaluate_each
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import parse_recipe
-from lutgen.support import acceptance, empty_region, stand
-from lutgen.support.table import FACETS
+from lutgen.support import acceptance
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
-from tests.fixtures.recipes import contact, rigid, sweep_part
-from tests.oracles.standing import facets_of
-from tests.support.postures import DISC, FAMILIES, below, drawn, limits_of, rows_of
+from tests.fixtures.recipes import contact, rigid
+from tests.support.postures import (
+    DISC,
+    FAMILIES,
+    assert_every_facet_once,
+    below,
+    drawn,
+    limits_of,
+    rows_of,
+)
 
 STANDS, TIPS = 0, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
@@ -97,27 +103,13 @@ def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once():
     numbers = np.array(LEANING.split(), float).reshape(4, 5)
     axis = np.stack([0.0 * numbers[:, 4], np.full(4, 0.6448265472399961), numbers[:, 4]], -1)
     rows = rows_of(numbers[:, :3], axis, numbers[:, 3], DISC)
-    truth = [f for f in facets_of(rows) if -f.normal[2] > 0.0]
-    region = empty_region(4)
-    stand(region, rows, acceptance(math.radians(89.9), 0.5))
-    found = [f["normal"] for f in region.facet[: region.counts[FACETS]] if -f["normal"][2] > 0.0]
-    assert len(truth) == len(found) > 1
-    for f in truth:
-        assert min(float(np.abs(n - f.normal).max()) for n in found) < 1e-9
+    assert_every_facet_once(rows, 89.9)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family):
     for seed in range(100, 112):
-        rows = drawn(family, np.random.default_rng(seed))
-        truth = [f for f in facets_of(rows) if -f.normal[2] > math.cos(math.radians(80.0))]
-        region = empty_region(len(rows))
-        stand(region, rows, acceptance(math.radians(80.0), 0.5))
-        normals = region.facet[: region.counts[FACETS]]["normal"]
-        found = normals[-normals[:, 2] > math.cos(math.radians(80.0))]
-        assert len(found) == len(truth) > 0
-        for f in truth:
-            assert np.abs(found - f.normal).max(axis=1).min() < 1e-8
+        assert_every_facet_once(drawn(family, np.random.default_rng(seed)), 80.0)
 
 
 def sole(count, step):
@@ -145,38 +137,6 @@ def test_a_sole_of_many_wheels_stands_until_gravity_passes_the_last_one(count, s
     assert tilts[safe].max() == pytest.approx(limit, abs=0.06)
     # Let go between two facets that are 3 mm wide it may have the energy to go on.
     assert safe[tilts <= limit].mean() > 0.9
-
-
-def track(wheels):
-    """Return a recipe of a car whose front wheels of one size stand in a row on a link."""
-    text = "".join(
-        contact(f"{name}{side}{k}", (x, y, -0.1), 0.1, (0, 1, 0), link)
-        for side, y in (("left", 0.3), ("right", -0.3))
-        for name, link, places in (("front", "flipper", wheels), ("rear", "body", (-0.5,)))
-        for k, x in enumerate(places)
-    )
-    return (
-        '[robot]\nname = "track"\nlength_unit = "m"\n'
-        '[[robot.parameter]]\nname = "pitch"\nmin = -180\nmax = 180\nunit = "deg"\n'
-        '[[robot.link]]\nname = "body"\nmass = 5\ncom = [0, 0, 0.1]\n'
-        '[[robot.link]]\nname = "flipper"\nparent = "body"\norigin = [0.4, 0, 0]\n'
-        'joint = { type = "revolute", axis = [0, 1, 0], parameter = "pitch" }\n'
-        + text
-        + sweep_part("pitch = 2")
-    )
-
-
-def test_wheels_of_one_size_in_a_row_carry_as_the_outer_two_of_them():
-    rng = np.random.default_rng(2)
-    pitch = rng.uniform(-math.pi, math.pi, (3000, 1))
-    g = rng.normal(size=(3000, 3)) - (0.0, 0.0, 1.5)
-    wanted = ("tip_angle", "status")
-    whole = evaluate_each(parse_recipe(track((0.0, 0.21, 0.37, 0.6))), pitch, g, wanted)
-    outer = evaluate_each(parse_recipe(track((0.0, 0.6))), pitch, g, wanted)
-    assert (whole["status"] == outer["status"]).mean() > 0.999
-    assert 0.2 < (outer["status"] == STANDS).mean() < 0.9
-    both = (whole["status"] == STANDS) & (outer["status"] == STANDS)
-    assert np.abs(whole["tip_angle"] - outer["tip_angle"])[both].max() < 1e-6
 
 
 def test_no_ray_slips_between_two_rests_that_rounding_tilts():

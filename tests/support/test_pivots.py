@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull
 import lutgen
 from lutgen.analysis import Posture, ground_tilt
 from tests.fixtures.commands import data, stdout
+from tests.fixtures.recipes import contact, sweep_part
 
 SIDEWAYS, NONE = math.pi / 2.0, np.zeros((1, 0))
 
@@ -26,19 +27,16 @@ def tractor(pivot, com=(0.8, 0.0, 0.9), base=2.3, tracks=(0.8, 0.8), extra="", a
         "front_left": ("axle", [0.0, tracks[1], -high]),
         "front_right": ("axle", [0.0, -tracks[1], -high]),
     }
-    lines = ['[robot]\nname = "tractor"\nlength_unit = "m"\nrest_width = 0.001']
-    lines.append(f'[[robot.link]]\nname = "body"\nmass = 3000.0\ncom = {list(com)}')
-    lines.append('[[robot.link]]\nname = "axle"\nparent = "body"')
-    lines.append(f"origin = {[base, 0.0, high]}\nmass = {axle}")
-    for name, (link, place) in places.items():
-        lines.append(f'[[robot.contact]]\nname = "{name}"\nlink = "{link}"\nposition = {place}')
+    text = '[robot]\nname = "tractor"\nlength_unit = "m"\nrest_width = 0.001\n'
+    text += f'[[robot.link]]\nname = "body"\nmass = 3000.0\ncom = {list(com)}\n'
+    text += f'[[robot.link]]\nname = "axle"\nparent = "body"\norigin = {[base, 0.0, high]}\n'
+    text += f"mass = {axle}\n"
+    text += "".join(contact(name, place, link=link) for name, (link, place) in places.items())
     if pivot is not None:
-        lines.append(f'[[robot.axle]]\nname = "front"\npivot = {[base, 0.0, pivot]}')
-        lines.append('contacts = ["front_left", "front_right"]')
-    lines.append(extra)
-    lines.append('[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\nnodes = 17')
-    lines.append('channels = ["sdg", "tip_angle", "margin", "energy_margin", "status"]')
-    return lutgen.parse_recipe("\n".join(lines))
+        text += f'[[robot.axle]]\nname = "front"\npivot = {[base, 0.0, pivot]}\n'
+        text += 'contacts = ["front_left", "front_right"]\n'
+    channels = ("sdg", "tip_angle", "margin", "energy_margin", "status")
+    return lutgen.parse_recipe(text + extra + sweep_part("", "cone", 17, 60.0, channels))
 
 
 def polygon(pivot, com, base, tracks):
@@ -141,16 +139,15 @@ def test_stops_change_no_verdict_and_two_axles_carry_nothing():
         lutgen.evaluate(one, NONE, down) for one in (tractor(0.5), lutgen.parse_recipe(stops))
     )
     assert free == stopped
-    rear = (
-        '[[robot.axle]]\nname = "rear"\npivot = [0, 0, 0.5]\ncontacts = ["rear_left", "rear_right"]'
-    )
+    rear = '[[robot.axle]]\nname = "rear"\npivot = [0, 0, 0.5]\n'
+    rear += 'contacts = ["rear_left", "rear_right"]\n'
     both = lutgen.evaluate(tractor(0.5, extra=rear), NONE, [[0, 0, -1]])
     assert both["tip_angle"][0, 0] == -math.pi
 
 
 def test_a_plane_on_one_wheel_of_an_axle_is_no_rest():
     # A keel so deep that no plane touches both front wheels and three more.
-    keel = '[[robot.contact]]\nname = "keel"\nlink = "body"\nposition = [1.2, 0, -0.3]'
+    keel = '[[robot.contact]]\nname = "keel"\nlink = "body"\nposition = [1.2, 0, -0.3]\n'
     rigid, swings = tractor(None, extra=keel), tractor(0.5, extra=keel)
     facets = [Posture(recipe, []).stance.facets for recipe in (rigid, swings)]
     ends = {"front_left", "front_right"}

@@ -143,7 +143,7 @@ def test_tip_angle_changes_by_no_more_than_gravity_turns(contacts, seed, exponen
     assert (np.abs(after - before) <= turned + 3e-8).all()
 
 
-@settings(bounded, max_examples=300)
+@settings(bounded, max_examples=150)
 @given(st.one_of(whole_robots, real_robots), seeds, st.booleans())
 def test_all_channels_tell_the_same_verdict(contacts, seed, limited):
     edges = unit(contacts + np.roll(contacts, 1, axis=0) + 1e-9)
@@ -158,18 +158,6 @@ def test_all_channels_tell_the_same_verdict(contacts, seed, limited):
     for name in ("margin", "energy_margin"):
         assert not np.isnan(got[name]).any()
         assert ((got[name] < 0.0) == tips).all()
-
-
-def test_a_batch_gives_the_same_bits_as_its_postures_and_directions_one_by_one():
-    rng = np.random.default_rng(17)
-    contacts, gravity = rng.uniform(-1.0, 0.2, (5, 6, 3)), directions(18, 8)
-    together = lutgen.stability(contacts, gravity, ALL_CHANNELS, *LIMITS)
-    for m, posture in enumerate(contacts):
-        for g, direction in enumerate(gravity):
-            for name in ALL_CHANNELS:
-                alone = lutgen.stability(posture, direction, [name], *LIMITS)[name]
-                assert alone.shape == (1, 1)
-                np.testing.assert_array_equal(alone[0, 0], together[name][m, g])
 
 
 def test_exactly_on_a_shared_edge_it_stands_and_on_an_axis_with_tip_angle_zero():

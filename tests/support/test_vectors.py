@@ -1,7 +1,7 @@
 """Hand-worked and published values, from the tables in `tests/vectors`."""
 
 import csv
-from math import asin, atan, cos, degrees, pi, radians, sin, sqrt, tan
+from math import atan, cos, degrees, radians, sin, sqrt
 
 import numpy as np
 import pytest
@@ -90,11 +90,9 @@ def test_height_of_the_papers_robot_equals_the_table():
     for row in rows("paper_height.csv"):
         alpha = angle(row["alpha_deg"])
         gravity = down_of(paper_wheels(alpha, A0), "P")[None]
-        of_points = lutgen.stability(paper_wheels(alpha, A0)[None], gravity, ["height"])["height"]
-        of_recipe = lutgen.evaluate(recipe, [[alpha, A0]], gravity, channels=("height",))["height"]
+        found = lutgen.evaluate(recipe, [[alpha, A0]], gravity, channels=("height",))["height"]
         # Five decimals are printed: half of the last one.
-        assert of_points[0, 0] == pytest.approx(float(row["height"]), abs=5.1e-6)
-        assert of_recipe[0, 0] == pytest.approx(float(row["height"]), abs=5.1e-6)
+        assert found[0, 0] == pytest.approx(float(row["height"]), abs=5.1e-6)
 
 
 def absolem_feet(row):
@@ -126,18 +124,6 @@ def test_the_eight_tip_over_tilts_of_the_absolem_rectangle_equal_the_table():
             assert tilt == pytest.approx(float(row[heading]), abs=0.05), (row["pose"], heading)
 
 
-def test_margins_equal_the_published_ones_on_both_sides_of_the_limit():
-    polygon = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]])
-    table = rows("margins.csv")
-    assert len(table) == 2
-    for row in table:
-        com = np.array([float(row["com_x"]), float(row["com_y"]), float(row["com_z"])])
-        got = lutgen.stability((polygon - com)[None], DOWN[None], ["margin", "energy_margin"])
-        # The energy margins are printed to nine decimals.
-        assert got["margin"][0, 0] == pytest.approx(float(row["margin"]), abs=1e-8)
-        assert got["energy_margin"][0, 0] == pytest.approx(float(row["energy_margin"]), abs=1e-8)
-
-
 SOLIDS = {
     "tripod": [[2, 0, -1], [-1, sqrt(3.0), -1], [-1, -sqrt(3.0), -1]],
     "table": [[x, y, -1] for x in (-1, 1) for y in (-1, 1)],
@@ -163,18 +149,3 @@ def test_solids_worked_by_hand_have_the_tabled_tip_angle_stability_factor_and_he
         for name in ("sdg", "height"):
             expected = pytest.approx(float(row[name]), abs=1e-8, nan_ok=True)
             assert got[name][0, 0] == expected, (name, row)
-
-
-def test_the_corner_of_the_open_box_is_at_the_hand_worked_angle():
-    contacts = np.array(SOLIDS["cube"], dtype=np.float64)
-    got = lutgen.stability(contacts[None], DOWN[None], ["tip_angle"], radians(100))
-    assert got["tip_angle"][0, 0] == pytest.approx(pi / 2 + asin(1 / sqrt(3)), abs=1e-12)
-
-
-def test_exact_limits_of_the_tripod_follow_its_two_radii():
-    contacts = np.array(SOLIDS["tripod"], dtype=np.float64) * [10.0, 10.0, 12.0]
-    # Circumradius 20, in-radius 10, height 12: 39.81 deg over an edge, 59.04 over a foot.
-    over_edge = tilt_at_limit(contacts, "nose_up")
-    over_foot = tilt_at_limit(contacts, "nose_down")
-    assert tan(radians(over_edge)) == pytest.approx(10.0 / 12.0, abs=1e-7)
-    assert tan(radians(over_foot)) == pytest.approx(20.0 / 12.0, abs=1e-7)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.urdf.joints import Couple, Drive, read_motion
+from lutgen.urdf.joints import Drive, read_motion
 from lutgen.urdf.links import links_of, places
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.robots import joint, link, robot
@@ -108,82 +108,3 @@ def test_held_joints_stand_at_zero_or_at_their_limit_nearest_to_zero():
     assert [part.rpy[2] for part in links_of(described, found, {})[1:]] == pytest.approx(
         [0.5, 0.0, 0.0, 1.1]
     )
-
-
-def test_a_chosen_joint_that_cannot_be_free_is_refused():
-    described = row(
-        *(("a", "continuous", ""), ("b", "continuous", MIMIC.format("a", 1, 0))),
-        *(("c", "fixed", ""), ("d", "planar", "")),
-    )
-    for name, said in {
-        "aa": "there is no such joint .got 'aa'.; did you mean 'a'",
-        "b": "it follows 'a'",
-        "c": "is fixed",
-        "d": "is planar",
-    }.items():
-        with pytest.raises(RecipeError, match=said):
-            read_motion(described, [name])
-
-
-TURNS = '<axis xyz="0 0 1"/><limit lower="{}" upper="{}" effort="1" velocity="1"/>'
-FOLLOWER = '<axis xyz="0 0 1"/><mimic joint="b" multiplier="3" offset="0.5"/>'
-
-
-def star():
-    """Return a robot with joints of all kinds on its base."""
-    kinds = {
-        "a": ("revolute", TURNS.format(-1, 2)),
-        "b": ("revolute", TURNS.format(-0.5, 0.3)),
-        "turning": ("continuous", '<axis xyz="0 0 1"/>'),
-        "slide": ("prismatic", TURNS.format(0, 1)),
-        "stuck": ("revolute", TURNS.format(0.2, 0.2)),
-        "free": ("floating", ""),
-        "weld": ("fixed", ""),
-        "follower": ("revolute", FOLLOWER),
-    }
-    parts = [link("base", 1.0), *(link(f"l_{name}", 1.0) for name in kinds)]
-    parts += [joint(name, kind, "base", f"l_{name}", x) for name, (kind, x) in kinds.items()]
-    return parse_urdf(robot(*parts), "star.urdf")
-
-
-def test_joints_of_a_couple_follow_its_parameter_and_so_does_what_mimics_them():
-    # a = p, b = -2 p + 0.1, follower = 3 b + 0.5 = -6 p + 0.8.
-    found = read_motion(star(), (), couples=[Couple("both", {"a": (1.0, 0.0), "b": (-2.0, 0.1)})])
-    assert found.drives["a"] == Drive("a", 1.0, 0.0)
-    assert found.drives["b"] == Drive("a", -2.0, 0.1)
-    assert found.drives["follower"] == Drive("a", -6.0, pytest.approx(0.8))
-    # b within -0.5 to 0.3: p within -0.1 to 0.3; a alone would leave -1 to 2.
-    assert found.free == {"a": (pytest.approx(-0.1), pytest.approx(0.3))}
-    assert set(found.held) == {"turning", "slide", "stuck", "free"}
-
-
-def test_a_parameter_need_not_be_any_of_its_joints():
-    # a = 2 p + 1 is 1.5 at rest, so p is 0.25; the turning joint follows without limits.
-    couple = Couple("p", {"a": (2.0, 1.0), "turning": (1.0, 0.0)})
-    found = read_motion(star(), (), {"a": 1.5}, [couple])
-    assert found.free["a"] == (-1.0, 0.5)
-    assert found.rest["a"] == 0.25
-    turn, _ = places(star(), found)["l_turning"]
-    assert turn[1, 0] == pytest.approx(math.sin(0.25))
-    turn, _ = places(star(), found)["l_a"]
-    assert turn[1, 0] == pytest.approx(math.sin(1.5))
-
-
-@pytest.mark.parametrize(
-    ("joints", "said"),
-    [
-        ({"a": (1.0, 0.0), "slide": (1.0, 0.0)}, "joints that turn and joints that slide"),
-        ({"a": (1.0, 0.0), "b": (1.0, 5.0)}, "leave 'p' no range"),
-        ({"a": (1.0, 0.0), "stuck": (1.0, 0.0)}, "it has no room between its limits"),
-        ({"stuck": (1.0, 0.0), "a": (1.0, 0.0)}, "has no room between its limits"),
-        ({"a": (1.0, 0.0), "free": (1.0, 0.0)}, "it is floating"),
-        ({"a": (1.0, 0.0), "weld": (1.0, 0.0)}, "it is fixed"),
-        ({"a": (1.0, 0.0), "follower": (1.0, 0.0)}, "it follows 'b'"),
-        ({"a": (1.0, 0.0), "nothing": (1.0, 0.0)}, "there is no such joint"),
-        ({"nothing": (1.0, 0.0), "a": (1.0, 0.0)}, "there is no such joint"),
-    ],
-)
-def test_what_cannot_go_together_is_refused(joints, said):
-    with pytest.raises(RecipeError, match=r"^star\.urdf: .*\.$") as caught:
-        read_motion(star(), (), couples=[Couple("p", joints)])
-    assert said in str(caught.value)

@@ -8,11 +8,10 @@ import pytest
 
 import lutgen
 from lutgen.errors import InputError, RecipeError
-from lutgen.urdf.read import load_urdf, parse_urdf
+from lutgen.urdf.read import parse_urdf
 from lutgen.urdf.srdf import joint_groups, joint_values, load_srdf, srdf_beside
-from tests.fixtures.commands import data, run
+from tests.fixtures.commands import data
 from tests.fixtures.commands import stdout as good
-from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, robot
 
 LEGS = ("lf", "rf", "lh", "rh")
@@ -95,20 +94,6 @@ def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder):
     assert report["com"] == pytest.approx([(x + 0.5 * 0.3) / total, 0.0, z / total], abs=1e-15)
 
 
-def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder):
-    sole = '<collision><origin xyz="0 0 -0.3"/><geometry><mesh filename="f.dae"/></geometry>'
-    ball = collision('sphere radius="0.02"', "0 0 -0.3")
-    text = quadruped()
-    assert text.count(ball) == 4
-    Path("dog.urdf").write_text(text.replace(ball, f"{sole}</collision>"))
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--force")
-    assert result.exit_code == 2
-    assert "(got lf_foot, rf_foot, lh_foot, rh_foot: f.dae: there is no such file)" in result.stderr
-    assert "were not understood" in result.stderr
-    points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
-    good("import", "dog.urdf", "-o", "dog.toml", "--force", *points)
-
-
 def test_what_the_robot_would_lie_on_is_named(folder):
     keel = link("keel", inside=collision('box size="0.1 0.1 1.1"'))
     mount = joint("keel_mount", "fixed", "base", "keel")
@@ -155,29 +140,6 @@ def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder):
     beyond = "joint lf_knee: at its limit, beyond which the posture is"
     assert beyond in imported()["left_out"]
     assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-2.5, abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--posture", "standin"), "did you mean 'standing'"),
-        (("--srdf", "none.srdf"), "there is no such file"),
-        (("-p", "lf_hipp=1"), "did you mean 'lf_hip'"),
-        (("-p", "lidar_mount=1"), "no such moving joint"),
-        (("-p", "lf_hip=90"), "goes from -85.9437 to 85.9437 deg"),
-        (("-p", "lf_hip=1", "-p", "lf_hip=2"), "is given twice"),
-        (("-p", "lf_hip"), "is no joint and value"),
-    ],
-)
-def test_postures_that_cannot_be_are_refused_in_a_sentence(folder, arguments, said):
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--force", *arguments)
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert not Path("dog.toml").exists()
-    # A posture is asked for only where there is an SRDF.
-    Path("dog.srdf").unlink()
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--posture", "standing")
-    assert (result.exit_code, "no SRDF file beside dog.urdf" in result.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(
@@ -265,17 +227,6 @@ STAR = (
     joint("slide", "prismatic", "base", "l_slide"),
     joint("weld", "fixed", "base", "l_weld"),
 )
-
-
-def test_groups_have_the_joints_of_chains_links_joints_and_other_groups():
-    described = load_urdf(VECTORS / "quadruped.urdf")
-    found = load_srdf(VECTORS / "quadruped.srdf", described).groups
-    assert found["FL_leg"] == ("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint")
-    assert found["front_legs"] == (
-        *("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint"),
-        *("FR_hip_joint", "FR_thigh_joint", "FR_knee_joint"),
-    )
-    assert [name[:2] for name in found["knees"]] == ["FL", "FR", "RL", "RR"]
 
 
 def test_groups_in_a_circle_unknown_parts_and_broken_chains_add_nothing():

@@ -156,30 +156,3 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
             load_xacro(file)
         assert said in str(caught.value)
         assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--package", "a"), "write NAME=DIR"),
-        (("--package", "=."), "write NAME=DIR"),
-        (("--package", "a=/nowhere"), "is in no folder that there is"),
-        (("--arg", "a"), "write NAME=VALUE"),
-    ],
-)
-def test_options_that_say_nothing_are_refused(arguments, said, tmp_path):
-    out = tmp_path / "robot.toml"
-    result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
-    assert (result.exit_code, said in result.stderr) == (2, True)
-
-
-def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path):
-    file = tmp_path / "robot.urdf"
-    file.write_text(
-        '<robot name="a"><link name="base"><inertial><mass value="1"/></inertial><collision>'
-        '<geometry><mesh filename="package://a/b.dae"/></geometry></collision></link></robot>'
-    )
-    result = run("import", file, "-o", tmp_path / "robot.toml")
-    assert result.exit_code == 2
-    why = "base: package 'a' was not found; give --package a=DIR"
-    assert f"points on those whose shapes were not understood ({why})" in result.stderr
