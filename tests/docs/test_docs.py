@@ -12,13 +12,19 @@ from click.testing import CliRunner
 
 import lutgen
 from firmware_export import exporter
+from lutgen.channels import acceptance_of
 from lutgen.cli import main
+from lutgen.recipe import robot_size_of
 from tests.fixtures.commands import stdout
+from tests.fixtures.compiled import compile_c
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.programs import run
+from tests.fixtures.recipes import rocker
+from tools.recipe_page import SCHEMA, TABLES, TARGET, page
 
 PAPER = "docs/guide/paper.md"
+RECIPES = TARGET.read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -51,11 +57,6 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
     assert len(printed) == 3
 
 
-def ran(command):
-    """Run a shell command in the working folder and return what it printed."""
-    return run(Path(), "sh", "-c", command)
-
-
 def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # `make maps` certifies on half a million points; that both guards hold is seen on fewer.
@@ -63,7 +64,7 @@ def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
 
     def printed_by(line):
         program, *arguments = line.split()
-        return stdout(*arguments) if program == "lutgen" else ran(line)
+        return stdout(*arguments) if program == "lutgen" else run(tmp_path, "sh", "-c", line)
 
     recipe, coded = blocks("docs/guide/firmware.md", "toml")
     Path("stork.toml").write_text(recipe)
@@ -89,8 +90,8 @@ def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
     codes = blocks("docs/guide/firmware.md", "c")
     for folder, code in zip(folders, codes, strict=True):
         Path("use.c").write_text(code)
-        ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
-        ran(f"cc -std=c99 -I{folder} {folder}/stork.c use.o -shared -fPIC -o use.so")
+        flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{folder}", "-fPIC", "-shared"]
+        compile_c([*flags, "use.c", f"{folder}/stork.c", "-o", "use.so"], tmp_path)
 
 
 def test_the_format_document_lists_every_attribute_of_a_map(clone):
@@ -154,3 +155,25 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
     newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
     assert newest is not None
     assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"
+
+
+def test_the_page_has_every_table_of_a_recipe_once_as_the_script_writes_it():
+    marked = re.findall(r"^<!-- keys of (\S+) -->$", RECIPES, re.MULTILINE)
+    # What a joint of a `drive` may have is said in its row.
+    assert sorted([*marked, "Step"]) == sorted(TABLES)
+    assert page(RECIPES) == RECIPES
+    changed = RECIPES.replace("| `80.0` |", "| `90.0` |")
+    assert changed != RECIPES
+    assert page(changed) == RECIPES
+
+
+@pytest.mark.parametrize("name", ["rest_width", "contact_tolerance"])
+def test_the_defaults_that_are_shares_of_the_size_are_those_that_a_recipe_gets(name):
+    said = SCHEMA["$defs"]["Robot"]["properties"][name]["description"]
+    share, percent = re.search(r"by default (\S+) (%?) ?of the size", said).groups()
+    recipe = lutgen.parse_recipe(rocker())
+    size = robot_size_of(recipe)
+    # The far side of the front and rear wheels: sqrt(0.5^2 + 0.3^2 + 0.3^2) + 0.1.
+    assert size == pytest.approx(0.43**0.5 + 0.1)
+    wanted = float(share) / (100 if percent else 1) * size
+    assert getattr(acceptance_of(recipe), name) == pytest.approx(wanted)

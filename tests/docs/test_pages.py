@@ -3,6 +3,7 @@
 import contextlib
 import fnmatch
 import io
+import json
 import re
 import shlex
 import shutil
@@ -12,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+import matplotlib.pyplot as plt
 import pytest
 
 from firmware_export import control, exporter
@@ -169,6 +171,16 @@ def test_the_python_of_the_page_prints_what_its_comments_say(name):
     with contextlib.redirect_stdout(out):
         exec(compile(code, page, "exec"), {})
     assert out.getvalue().splitlines() == said
+
+
+@pytest.mark.parametrize("name", ["first_map", "second_look"])
+def test_a_notebook_runs_and_is_kept_without_outputs(name):
+    cells = json.loads((ROOT / f"docs/notebooks/{name}.ipynb").read_text("utf-8"))["cells"]
+    codes = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert not any(cell["outputs"] for cell in codes)
+    text = "\n".join("".join(cell["source"]) for cell in codes)
+    exec(compile(re.sub("^%.*", "", text, flags=re.MULTILINE), name, "exec"), {})
+    plt.close("all")
 
 
 def test_a_line_that_was_not_printed_is_found():

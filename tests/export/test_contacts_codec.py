@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.certify.answers import device
 from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.many import many_of, order_of, shown_contacts
@@ -54,15 +53,6 @@ def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound():
     # Links that only move the com are stored once for all contacts.
     assert not paper.tables.terms.common
     assert export_of(lutgen.load_recipe(MAPS / "marv.toml")).tables.terms.common
-
-
-def test_gravity_of_any_length_gives_the_same_answer():
-    export = export_of(lutgen.load_recipe(MAPS / "absolem.toml"))
-    params = np.repeat(export.model.at(np.full((1, 2), 0.3)), 7, axis=0)
-    gravity = np.array([[0.1, 0.05, -1.0]]) * (2.0 ** np.arange(-60, 80, 20))[:, None]
-    status, reading = device(export).read(params, gravity)
-    assert len(set(status.tolist())) == 1
-    assert np.ptp(reading[:, 1]) == 0.0
 
 
 @pytest.mark.parametrize("axle", [AXLE, (1.0, 0.0, 0.0), (0.6, -0.8, 0.0)])

@@ -63,17 +63,13 @@ def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path)
         assert contents(folder) == first
 
 
-def test_an_error_in_the_length_unit_is_kept(tmp_path):
-    relative = run(tmp_path / "a", codec="grid", max_error="0.5%")
-    span = relative["certificate"]["channels"]["sdg"]["range"]
-    absolute = run(tmp_path / "b", codec="grid", max_error=0.005 * span)
-    for found in (relative, absolute):
-        assert found["certificate"]["channels"]["sdg"]["max"] <= 0.005 * span
-    assert absolute["certificate"]["bound"] == f"{0.005 * span:g}"
-
-
 def test_a_smaller_error_takes_more_bytes_and_flash_gives_the_most_accurate_that_fits(tmp_path):
     coarse, fine = (run(tmp_path / name, codec="grid", max_error=name) for name in ("2%", "0.05%"))
+    # In the length unit, too.
+    most = 0.02 * coarse["certificate"]["channels"]["sdg"]["range"]
+    found = run(tmp_path / "length", codec="grid", max_error=most)["certificate"]
+    assert found["bound"] == f"{most:g}"
+    assert found["channels"]["sdg"]["max"] <= most
     assert coarse.table_bytes < fine.table_bytes
     assert fine.error <= 0.05 < coarse.error
     fitting = run(tmp_path / "fitting", codec="grid", flash=coarse.bytes + 100)

@@ -40,13 +40,9 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
 
     rng = np.random.default_rng(3)
     gravity = np.column_stack([rng.uniform(-1.2, 1.2, (4000, 2)), -np.ones(4000)])
+    gravity = np.rint(gravity * 16000.0)
     library, none = HostLibrary(tmp_path), np.zeros((4000, 0))
-    if arithmetic == "integer":
-        gravity = np.rint(gravity * 16000.0)
-        said = library.read_i(none, gravity)[0]
-    else:
-        gravity = gravity.astype(np.float32).astype(np.float64)
-        said = library.read(none, gravity)[0]
+    said = (library.read_i if arithmetic == "integer" else library.read)(none, gravity)[0]
     exact = model.exact(np.zeros((1, 0)), gravity[None]).tip_angle[0]
     safe = np.isin(said, (0, 1))
     assert not (safe & (exact < 0.0)).any()

@@ -11,7 +11,7 @@ from firmware_export.host.reader import READING
 from firmware_export.truth import Model, slack
 from lutgen.recipe import forward, load_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
-from tests.fixtures.exports import host_of, rover_export, tripod_export
+from tests.fixtures.exports import coded_export, host_of, rover_export, tripod_export
 from tests.fixtures.programs import run
 from tests.fixtures.queries import ODD
 
@@ -20,6 +20,7 @@ MAKERS = {
     "contacts": tripod_export,
     "many": rover_export,
     "grid": lambda: tripod_export(codec="grid"),
+    "by code": lambda: coded_export("coded", "legs"),
 }
 
 MAIN = r"""
@@ -103,6 +104,8 @@ def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name):
     export = MAKERS[name]()
     host = host_of(export)
     params, gravity = some(export.model, 400)
+    # Gravity may have any length.
+    gravity *= np.float32(2.0) ** np.random.default_rng(1).integers(-60, 60, (len(gravity), 1))
     for row in params[:20]:
         made, status, reading = host.at(row, gravity)
         known, whole = host.ask("read", np.repeat(row[None], len(gravity), axis=0), gravity)
@@ -111,6 +114,10 @@ def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name):
         assert {field: reading[field].tobytes() for field in READING.names or ()} == {
             field: whole[field].tobytes() for field in READING.names or ()
         }
+        unit = gravity / np.abs(gravity).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(
+            host.at(row, unit)[2]["tip_angle"], reading["tip_angle"], atol=1e-6
+        )
 
 
 @pytest.mark.parametrize("name", MAKERS)

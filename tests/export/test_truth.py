@@ -8,7 +8,6 @@ import pytest
 
 import lutgen
 from firmware_export.truth import least_edge_of, widened
-from firmware_export.truth.crossing import unit
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import biased, on_chart, uniform
 from tests.fixtures.places import MAPS
@@ -83,16 +82,6 @@ def test_many_postures_are_at_ends_of_the_box_and_in_the_middles_of_cells():
         for middle in middles:
             # Half of the postures, two thirds of them in one of two middles.
             assert np.isclose(t[:, column], middle).mean() > 0.1
-
-
-def test_the_chart_holds_its_rim_and_nothing_beyond():
-    limit = CONE.chart_limit
-    rim = CONE.uv_to_gravity(0, [limit, -limit, 0.0], [0.0, limit, limit])
-    assert on_chart(CONE, unit(rim)).all()
-    beyond = CONE.uv_to_gravity(0, [limit * 1.0001, 0.0], [0.0, -limit * 1.0001])
-    assert not on_chart(CONE, beyond).any()
-    assert not on_chart(CONE, np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])).any()
-    assert on_chart(SPHERE, np.array([[0.0, 0.0, 1.0]])).all()
 
 
 PAPER_TWO, SPREAD = (

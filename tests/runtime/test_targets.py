@@ -5,14 +5,15 @@ import shutil
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pytest
 
-from firmware_export.certify.answers import device
-from firmware_export.emit import facts
-from targets import baseline, cases, control, pages, queries, run
+from firmware_export.emit import facts, package
+from firmware_export.emit.size import FILE, measured
+from targets import baseline, cases, control, pages, run
+from targets import size as size_measure
 from targets.boards import BOARDS
-from targets.image import execute
+from targets.elf import section_bytes
+from targets.image import compiled, execute
 from tests.fixtures.exports import tripod_export
 
 ON = {board.name: board for board in BOARDS}
@@ -23,18 +24,6 @@ CASE = cases.Case("tripod", partial(tripod_export, "tripod"))
 def row(tmp_path, monkeypatch):
     monkeypatch.setattr(cases, "BUILD", tmp_path)
     return run.prepared(CASE)
-
-
-def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping():
-    export = tripod_export()
-    params, gravity = queries.checked(export)
-    status, reading = device(export).read(params, gravity)
-    for said in (0, 2, 3, 4, 6):
-        assert (status == said).sum() >= 5
-    near = reading[700:900, 1][np.isin(status[700:900], (0, 1, 2))]
-    # Bisected to neighbouring floats, which are 1e-7 rad apart, and as many again.
-    assert np.median(np.abs(near)) < 1e-5
-    assert min((near >= 0.0).sum(), (near < 0.0).sum()) >= 50
 
 
 @pytest.mark.parametrize(
@@ -102,3 +91,28 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted():
         if (one["option"], one["call"]) == ("-O2", "at")
     ] == [known]
     assert facts.counted(replace(export, channels=("tip_angle",))) is None
+
+
+ROWS = measured(FILE)
+
+
+@pytest.mark.needs(size_measure.BOARD.tool)
+@pytest.mark.parametrize("family", ["points", "tables_i"])  # `make size` measures all
+def test_the_committed_sizes_are_those_of_the_runtime(tmp_path, family):
+    found = size_measure.measure_row(family, tmp_path)
+    # Another version of the compiler may differ by a few instructions.
+    assert found["code"] == pytest.approx(ROWS[family]["code"], rel=0.03)
+    assert found["stack"] == pytest.approx(ROWS[family]["stack"], abs=16)
+
+
+@pytest.mark.needs(size_measure.BOARD.tool)
+def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path):
+    export = cases.of_recipe("paper_two", "contacts")
+    said = package.write(export, tmp_path)["bytes"]
+    assert said["measured"]
+    compiled("paper_two", size_measure.BOARD, "-Os", tmp_path, {})
+    held = section_bytes(tmp_path / "paper_two.o", ".text", ".rodata", ".data")
+    assert said["total"] == pytest.approx(held, rel=0.03)
+    assert (
+        f"#define PAPER_TWO_FLASH      {said['total']}u" in (tmp_path / "paper_two.h").read_text()
+    )
