@@ -72,7 +72,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Goal:
-    """What is asked for: most bytes, code included, and greatest error in percent of the range.
+    """Limits of an export: most bytes, code included, and greatest error in percent of the range.
 
     By `margin` the chooser's own measurement must stay below that: the certificate looks at more
     points and searches for the worst.
@@ -137,7 +137,7 @@ class Trials:
         """Measure an export: its bytes, with descriptors and code, and its answers."""
         size, asked = flash_bytes(export), device(export)
         seen = [asked.compare(known) for known in self.sample]
-        # What is tested is lowered by the certificate, until it finds none.
+        # The certificate lowers tested tables until it finds none.
         wrong = 0 if export.tables.tested else sum(int(one.false_safe.sum()) for one in seen)
         return Candidate(
             export,

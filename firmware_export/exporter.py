@@ -37,7 +37,7 @@ ROOM = 64 * 1024
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of an export; see the parameters of `export`."""
+    """Options of an export; see the parameters of `export`."""
 
     name: str | None = None
     flash: str | int | None = None
@@ -93,7 +93,7 @@ def export(
     Parameters
     ----------
     source : path, StabilityMap or Recipe
-        What to export.  Of a map its recipe counts: every number is computed exactly from it, none
+        Robot to export.  A map counts by its recipe: every number is computed exactly from it, none
         is read from the map's nodes.
     directory : path
         The folder; it appears when it is whole.  One that holds anything but an earlier export, or

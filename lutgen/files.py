@@ -71,7 +71,7 @@ def check_target(
     check_kind(path)
     if force or not os.path.lexists(path) or Path(path).is_dir():
         return
-    # What cannot be read is not ours.
+    # A file that cannot be read is not ours.
     with contextlib.suppress(OSError):
         same = content is not None and Path(path).stat().st_size == len(content)
         if is_ours(path) or (same and Path(path).read_bytes() == content):

@@ -193,7 +193,7 @@ def njit(
             "nogil": True,
             "forceinline": inline,
             "_nrt": not bare,
-            # Nobody calls a kernel from C.
+            # A kernel is never called from C.
             "no_cfunc_wrapper": True,
         }
         compiled: _Function = numba.njit(**options)(function)
@@ -269,7 +269,7 @@ def in_threads(
         return
     parts = min(threads * PARTS_PER_THREAD, pieces)
     bounds = [part * pieces // parts for part in range(parts + 1)]
-    # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
+    # The kernel is compiled here if need be: Ctrl-C does not reach other threads.
     first = 0 if getattr(kernel, "signatures", True) else 1
     for at in range(first):
         kernel(*bounds[at : at + 2], *arguments)

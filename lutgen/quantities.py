@@ -37,7 +37,7 @@ class Quantity:
 
     @property
     def symbol(self) -> str:
-        """What legends call it: the formula of its label, if that has one."""
+        """Return the name for legends: the formula of its label, if that has one."""
         return self.label[max(self.label.find("$"), 0) :]
 
     @property
@@ -138,7 +138,7 @@ QUANTITIES = {
     )
 }
 CHANNELS = tuple(QUANTITIES)
-# What can be drawn and sought: channels of which one end is good.
+# Channels that can be drawn and sought: one end of them is good.
 RANKED = tuple(name for name, one in QUANTITIES.items() if one.better)
 # Channels that robots under forces or with an uncertain com do not have.
 UNLOADED = tuple(name for name, one in QUANTITIES.items() if not one.under_load)

@@ -111,7 +111,7 @@ def climb(
 def starts(seen: Sequence[Measured], values: Sequence[Value], count: int) -> tuple[Floats, Floats]:
     """Return params (s, k) and gravity (s, 3) of the points of greatest value.
 
-    Of each sample and for each value `count` at most, one of each posture.
+    At most `count` of each sample and for each value, one of each posture.
     """
     params, gravity = [], []
     for measured in seen:

@@ -37,7 +37,7 @@ EXCLUDED = 3.0
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was measured on an export: `points` are compared, `standing` of them stand.
+    """Measurements of an export: `points` are compared, `standing` of them stand.
 
     `channels` have ``max`` (absent where |SD_g| jumps: then ``largest_seen``), ``p99``, ``rms`` in
     the channel's unit over all points, ``p99_uniform`` and ``rms_uniform`` over the uniform half;
@@ -114,7 +114,7 @@ def _entry(
 ) -> dict[str, float]:
     """Return the entry of a channel, see `Certificate`; what jumps has no largest error."""
     entry = every | {f"{key}_uniform": even[key] for key in ("p99", "rms")}
-    # What never changes has no range to take a percentage of.
+    # A value that never changes has no range to take a percentage of.
     scale = 100.0 / span if span > 0.0 else 0.0
     entry |= {f"{key}_percent": value * scale for key, value in entry.items()}
     entry["range"] = span

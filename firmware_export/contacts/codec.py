@@ -39,7 +39,7 @@ class Room(NamedTuple):
     facets: int
 
 
-# What the host has room for, and the least that an array of C can have.
+# The room of the host, and the least that an array of C can have.
 LIMITS, LEAST = Room(60, 154, 50, 254, 250), Room(1, 3, 1, 3, 1)
 
 
@@ -78,12 +78,12 @@ STEPS = 16000.0
 MOST_SIDES = 12
 # Words of a pose: head, floats, integers (runtime/smap_three.h).
 POSE = (1 + 20 + 8, 1 + 8)
-# Of a robot given by code: errors asked for, in parts of the size, on three points and on more: of
+# For a robot given by code: errors asked for, in parts of the size, on three points and on more: of
 # three the walls of one facet turn a little, of more other facets are found.  And how many times
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
-# What is said of a guard that a certificate made larger.
+# The words for a guard that a certificate made larger.
 NEEDED = "; as much as points needed where contacts all but lie on one plane"
 
 
@@ -101,7 +101,7 @@ class Spec:
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
-    """What is stored: positions, and what three points or many contacts need beside them.
+    """Stored numbers: positions, and the extras of three points or of many contacts.
 
     `reach` is how far (length) a contact can be from the com, `room` what a pose of
     many contacts needs.

@@ -48,7 +48,7 @@ def _keeps(primitives: Floats, i: int, j: int, size: float) -> bool:
 def shown_contacts(model: Model) -> tuple[int, ...]:
     """Return the contacts that no other one hides in every posture, ascending.
 
-    Of two that are always one the first is shown.  Of a robot given by code all are: its postures
+    If two are always one, the first is shown.  A robot given by code shows all: its postures
     may be alike here and differ elsewhere.
     """
     every = range(len(model.kind))
@@ -90,7 +90,7 @@ LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 
 
 class Many(NamedTuple):
-    """What the tables of many contacts need beside positions.
+    """Extras of the tables of many contacts, beside positions.
 
     `order` of the shown contacts: rail by rail; `first` contact of each rail, and how many there
     are, or how many axles swing; `axis`, level, of all discs; `numbers` in the order of the

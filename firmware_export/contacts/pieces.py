@@ -154,7 +154,7 @@ def _zoom(low: float, width: float, line: Line, order: int, times: int) -> tuple
 def _jump(low: float, high: float, line: Line) -> tuple[float, float]:
     """Return by how much a coordinate jumps between two places, and where.
 
-    What is continuous changes by less and less on shorter stretches, at last by nearly nothing.
+    A continuous function changes by less and less on shorter stretches, at last hardly at all.
     """
     begin, change = _zoom(low, high - low, line, 1, JUMP_ZOOMS)
     most = int(change[-1].argmax())

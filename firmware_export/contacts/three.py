@@ -23,7 +23,7 @@ from lutgen.channels import acceptance_of
 from lutgen.vector import Floats
 
 EITHER_WAY = 128
-# What the runtime takes for no limit of the normal.
+# The runtime reads this as no limit of the normal.
 ANY = -2.0
 POSTURES = 20_000
 # rad; the guard that is aimed at where low facets have to be refused, and rounding of the rest: the
@@ -32,13 +32,13 @@ AIM, ROUNDING = 2e-4, 4e-6
 HALF_UNIT = 2.0**-24
 # Parts of the size by which a limit is kept, beyond rounding.
 HAIR = 1e-5
-# Of a robot given by code: facets lower than this part of what all but a few postures have are
+# For a robot given by code: facets lower than this part of what all but a few postures have are
 # refused, and narrower ones than this part of the reach where nothing else says how narrow.
 LOW, FEW, NARROWEST = 0.5, 0.001, 1e-3
 
 
 class Three(NamedTuple):
-    """What the tables of three points need beside positions.
+    """Extras of the tables of three points, beside positions.
 
     `code`, the order of the contacts as the runtime has it; the thresholds `lowest`
     (length), `steepest`, `rest_width` (length); the `guard` (rad), and a sentence about it.

@@ -24,7 +24,7 @@ CHANNELS = ("sdg", "height", "tip_angle", "margin")
 
 @dataclass(frozen=True, eq=False)
 class Plant:
-    """What lies between the C and the ground.
+    """The parts between the C and the ground.
 
     From sample to motion it takes `latency` (s), a cycle at least; joints change by `rates` (k,) in
     a second; `noise` is the standard deviation of each axis of the accelerometer, m/s^2.

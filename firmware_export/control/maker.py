@@ -88,7 +88,7 @@ CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a policy is asked for; angles in rad, lengths in the recipe's unit, times in s.
+    """Options of a policy; angles in rad, lengths in the recipe's unit, times in s.
 
     `lutgen policy -h` says what each is.  Of `home`, `rate` and `delta` parameters may be left out;
     `within` is in the unit of the objective (see `score_of`); below `levels` the alarm has level 1,
@@ -112,7 +112,7 @@ class Wishes:
 
 
 class Loss(NamedTuple):
-    """What a table loses: degrees of tip angle against the best posture of the lattice, and more.
+    """Losses of a table: degrees of tip angle against the best posture of the lattice, and more.
 
     `tips` is the share of slopes on which the table's posture tips, though another stands;
     `step` the largest change (deg, or parts of a length's axis in 1/100) between two nodes.

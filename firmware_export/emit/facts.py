@@ -22,7 +22,7 @@ FORMAT = 2
 MARKER = "lutgen_export"
 FALSE_TIP = "stable configurations reported unsafe"
 OWN_MACROS = ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK", "GAPS")
-# What takes flash.
+# The parts that take flash.
 KINDS = ("tables", "descriptors", "code", "control", "policy")
 
 

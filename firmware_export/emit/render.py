@@ -26,7 +26,7 @@ STATUSES = {
     "SMAP_CORRUPT": "the map is damaged",
     "SMAP_INVALID": "no valid query",
 }
-# What was counted, in words.
+# The counts, in words.
 COST = {
     "pose": "`smap_pose`",
     "both": "`smap_pose`, both forms",

@@ -12,7 +12,7 @@ from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe
 
-# What is made where nobody has exported: it has no tables to fit, so that it takes seconds.
+# The codec for robots that are not exported: it has no tables to fit, so it takes seconds.
 QUICK = "contacts"
 
 

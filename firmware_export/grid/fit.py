@@ -62,7 +62,7 @@ Found = tuple[Floats, Floats]
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """What the tables of a robot learn from.
+    """Samples from which the tables of a robot learn.
 
     It stands between the places `low` and `high` (2,) of v and u alone; `block` (6,) is the block
     that holds the codes of each face, -1 where nothing stands; `lengths` are the truth (n,) of

@@ -16,8 +16,8 @@ from lutgen.vector import Ints, Singles
 STANDS, MOST, SCALE, LARGEST = 100.0, 250.0, 300.0, 255.0
 # Codes by which the truth at a point is held off: 0.1 deg.
 GUARD = 0.5
-# What a reading too low costs where the verdict is lost with it, and up to which code it is;
-# what one too high costs at first and at last.
+# The cost of a reading too low where the verdict is lost with it, and up to which code it is;
+# the cost of one too high at first and at last.
 LOST, NEARLY, FIRST, LAST = 7.0, STANDS + 2.5, 4.0, 300.0
 BATCH = 40_000
 # In the place of these costs: least squares.
@@ -35,7 +35,7 @@ class Lattice(NamedTuple):
 class Points(NamedTuple):
     """Places x (n, d), the block of each (n,), -1: none, and the code wanted there (n,).
 
-    Of a table of tip angles one below STANDS means that the robot tips.
+    In a table of tip angles a code below STANDS means that the robot tips.
     """
 
     x: Singles

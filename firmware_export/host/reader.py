@@ -80,7 +80,7 @@ STANDS = (0, 1)
 FAMILIES = {1: "points", 3: "tables", 4: "grid", 5: "rails", 6: "search"}
 # Where a blob has the number of its contacts.
 CONTACTS = 13
-# What smap_read_i calls a channel that is not held, and its full scale.
+# The value of smap_read_i for a channel that is not stored, and its full scale.
 NOT_HELD, FULL_SCALE = 65535, 32767
 
 

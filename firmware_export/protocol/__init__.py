@@ -1,4 +1,4 @@
-"""What every codec hands to those who choose, certify and write exports.
+"""The protocol of codecs, for those who choose, certify and write exports.
 
 In reading order: `policy`, `codec`, `blob`.
 """

@@ -21,7 +21,7 @@ VERSION = 3
 TURN = 2.0 * math.pi
 # A hair by which the rim of the chart is widened: rounding of a quotient.
 HAIR = 1e-6
-# Of a robot given by code: postures that tell whether a turn more is the same, and how nearly.
+# Postures that tell if a robot given by code is the same a turn further, and how nearly.
 LOOKED, ALIKE = 200, 1e-9
 CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
 

@@ -110,7 +110,7 @@ ANY = Aim()
 
 
 class Tables(ABC):
-    """What a codec has encoded.
+    """An encoded robot.
 
     `spec` is the size, hashable, of which equal ones give the same tables; `guard` (rad) is
     subtracted from tip_angle, and `guard_text` says in a sentence how it was bounded; `tested`

@@ -13,7 +13,7 @@ CONTROL_VERSION = 1
 
 
 class Joint(NamedTuple):
-    """What the C knows of a parameter beside the map; rad or the recipe's length unit.
+    """Knowledge of the C about a parameter, beside the map; rad or the recipe's length unit.
 
     `low` and `code` are the value of code 0 and of a step; `rate` is the most that it changes in a
     cycle, `delta` the range around what is desired, `near` a change that needs no new pose.  One

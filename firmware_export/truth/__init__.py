@@ -1,4 +1,4 @@
-"""What an export stands for: the exact answers, and where they are asked.
+"""The reference of an export: exact answers, and where they are asked.
 
 In reading order: `model`, `crossing`, `sample`, `rest`.
 """

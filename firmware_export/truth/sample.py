@@ -248,7 +248,7 @@ def _rim_directions(
 def biased(model: Model, points: int, seed: int, cells: Cells | None = None) -> Sample:
     """Return at least `points` points where tables err most.
 
-    Of each posture's directions three in four are beside the tip-over boundary, the others on the
+    Three in four of each posture's directions are beside the tip-over boundary, the others on the
     rim of the chart or on the middles of the table's cells.
     """
     m = -(-points // per_posture(model))

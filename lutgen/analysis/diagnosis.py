@@ -110,9 +110,23 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
-    state = (posture, down[0], standing, channels, facet, pierced, tip_axes, least)
-    forces = (exact, forces_kind, ranges, rough)
-    return Diagnosis(*state, *forces, slope, slides, resultant)
+    return Diagnosis(
+        posture,
+        gravity_dir=down[0],
+        standing=standing,
+        channels=channels,
+        facet=facet,
+        pierced=pierced,
+        tip_over_axes=tip_axes,
+        least_stable=least,
+        normal_forces=exact,
+        forces_kind=forces_kind,
+        normal_ranges=ranges,
+        heuristic_forces=rough,
+        slope=slope,
+        slides=slides,
+        resultant=resultant,
+    )
 
 
 def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
@@ -149,5 +163,5 @@ def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: flo
     """Return arc b of the boundary with its numbers."""
     stance, names = posture.stance, posture.recipe.contact_names
     i, j = (int(stance.region.source[c]) for c in stance.region.arc[b]["contacts"])
-    ends = stance.start[b], stance.stop[b]
-    return TipAxis((i, j), (names[i], names[j]), *ends, angle, margin, energy)
+    start, stop = stance.start[b], stance.stop[b]
+    return TipAxis((i, j), (names[i], names[j]), start, stop, angle, margin, energy)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from lutgen.channels import axle_foot, smallest_shares
 from lutgen.vector import Floats, Vector
 
-# Of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on it.  A
-# tenth of what the balance may miss.
+# Part of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on
+# it.  A tenth of what the balance may miss.
 ON = 1e-10
 
 

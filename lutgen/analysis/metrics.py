@@ -68,11 +68,15 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     under = [stance.under(down) for down in directions[1:]]
     radius = np.array([np.nan if facet is None else facet.inradius for facet in under])
     normalised["sdg"] = 1.0 - values["sdg"][1:] / radius
-    tilted = {name: values[name][1:] for name in METRICS}
-    normalised = {name: normalised[name] for name in METRICS}
-    level = {name: float(values[name][0]) for name in METRICS}
-    verdicts = (standing[1:], status[1:], least_share[1:])
-    return Metrics(*verdicts, tilted, normalised, level, float(status[0]))
+    return Metrics(
+        standing[1:],
+        status[1:],
+        least_share[1:],
+        values={name: values[name][1:] for name in METRICS},
+        normalised={name: normalised[name] for name in METRICS},
+        level={name: float(values[name][0]) for name in METRICS},
+        level_status=float(status[0]),
+    )
 
 
 def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Floats:
@@ -100,7 +104,7 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     edge = end - begin
     along = edge / np.linalg.norm(edge, axis=-1, keepdims=True)
     arm = begin - (begin * along).sum(axis=-1, keepdims=True) * along
-    # Of the arm and not of the end points: an axis may be long and its com near it.
+    # The arm counts, and not the end points: an axis may be long and its com near it.
     moment = (np.cross(arm, along) * pull).sum(axis=-1)
     angle = np.arctan2(moment, (arm * pull).sum(axis=-1))
     return np.asarray(angle * np.abs(moment))

@@ -138,8 +138,8 @@ class Posture:
     @cached_property
     def primitives(self) -> Floats:
         """The contacts as the kernels take them (n, 8), relative to the com."""
-        places = self.placed.centres[0], self.placed.axes[0]
-        return support.pack(*places, *radii_and_kinds(self.recipe))
+        radii, kinds = radii_and_kinds(self.recipe)
+        return support.pack(self.placed.centres[0], self.placed.axes[0], radii, kinds)
 
     @cached_property
     def wrench(self) -> Floats:

@@ -1,4 +1,4 @@
-"""What friction takes from a robot that moves on the ground, some of its contacts rolling.
+"""Friction against a robot that moves on the ground, some of its contacts rolling.
 
 The motion of the contact plane that resists gravity least is the minimum of a convex function of
 two unknowns.  It lies between planes that touch the function from below.
@@ -12,7 +12,7 @@ from lutgen.jit import njit
 from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
-# What a contact resists with, where it does not roll as a DISC or a SPHERE does.
+# A contact that does not roll as a DISC or a SPHERE does.
 BRAKED = -1.0
 # The least resistance is known to this, some hundred roundings.
 KNOWN = 2e-14
@@ -119,7 +119,7 @@ def least_resistance(
 ) -> float:
     """Return the least resistance, per unit of friction, of all motions that go 1 downhill.
 
-    Of several loads each motion meets the one that resists it most.  That is the largest resistance
+    Each motion meets the load, among several, that resists it most.  That is the largest resistance
     of all their mixtures: by the minimax theorem it does not matter whether the motion or the load
     is chosen first, as power is linear in the load and convex in the motion.  `motion` (k,) is
     BRAKED, DISC (rolling along) or SPHERE (rolling in every direction), `loads` (c, k) the shares

@@ -1,4 +1,4 @@
-"""What a designer asks of tilt limits: one posture in the four headings and the worst, or all.
+"""Tables of tilt limits: one posture in the four headings and the worst, or all postures.
 
 *Body tilt* is how far the robot itself turns, as an accelerometer in it sees it (`tilt`); *ground
 tilt* the slope of the ground under a robot that rolls from rest to rest on it (`ground_tilt`).
@@ -110,12 +110,12 @@ class SweepLimits:
 
     @cached_property
     def guaranteed(self) -> Floats:
-        """What each posture survives in every heading, (m,), rad."""
+        """Return the tilt that each posture survives in every heading, (m,), rad."""
         return np.maximum(self.level, 0.0)
 
     @cached_property
     def guaranteed_ground(self) -> Floats:
-        """What each posture survives in every heading of ground tilt, (m,), rad; not sliding."""
+        """Return the ground tilt that each posture survives in all headings, (m,), rad."""
         found = (ground_tilt(Posture(self.recipe, row)).guaranteed for row in self.params)
         return np.fromiter(found, np.float64, len(self.params))
 
@@ -205,8 +205,9 @@ def sweep_limits(
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))
-    ends = (tilts[least_at, across], tilts[most_at, across], least_at, most_at)
-    return SweepLimits(recipe, rows, heading, *ends, level_angles(recipe, rows, convention))
+    least, most = tilts[least_at, across], tilts[most_at, across]
+    level = level_angles(recipe, rows, convention)
+    return SweepLimits(recipe, rows, heading, least, most, least_at, most_at, level)
 
 
 def _first(tilts: Floats, sign: float) -> Ints:

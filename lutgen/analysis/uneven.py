@@ -199,7 +199,7 @@ class Foot(Table):
 
 
 class Feet(Table):
-    """What a file of `lutgen stance` holds."""
+    """Contents of a file of `lutgen stance`."""
 
     title: Text | None = key("What figures call it, if not the file's name.", "stair", None)
     length_unit: LengthUnit = key("The unit of all lengths.", "m", "m")

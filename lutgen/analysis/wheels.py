@@ -53,7 +53,7 @@ class Structure:
 
 @dataclass(frozen=True)
 class WheelMotion:
-    """What one wheel does: `speed` in rad/s, `steering` in rad, `slip` in length/s.
+    """Motion of one wheel: `speed` in rad/s, `steering` in rad, `slip` in length/s.
 
     `contact` names the wheel.  Of a wheel that hovers all three are None.  `speed` is positive
     about the axle, the right-hand way.  `steering`, None unless the wheel is steered, is the
@@ -107,7 +107,7 @@ class _Rolling:
 
 @dataclass(frozen=True)
 class _Ground:
-    """What a posture's wheels have to roll on.
+    """Wheels of a posture, and the ground below them.
 
     `size` is the largest distance in the plane from the com to a corner of the support polygon.
     `contacts` are those of the wheels in recipe order, None for those that hover.
@@ -213,9 +213,17 @@ def wheel_speeds(
     possible = slip <= stretch * still
     nearest = motion if possible else basis @ (basis.T @ motion)
     turn = yaw_rate if possible else float(nearest[2]) / ground.size
-    wanted = ((float(asked[0]), float(asked[1])), yaw_rate, wheels, slip, possible)
-    reached = (float(nearest[0]), float(nearest[1]))
-    return Motion(*wanted, reached, turn, _structure(ground), ground.standing)
+    return Motion(
+        (float(asked[0]), float(asked[1])),
+        yaw_rate,
+        wheels,
+        slip,
+        possible,
+        nearest_velocity=(float(nearest[0]), float(nearest[1])),
+        nearest_yaw_rate=turn,
+        structure=_structure(ground),
+        standing=ground.standing,
+    )
 
 
 def _wheel_motion(contact: _Rolling, velocity: Floats, still: float) -> WheelMotion:

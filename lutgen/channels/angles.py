@@ -6,7 +6,7 @@ from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, CONVEX, Region
 from lutgen.vector import Vector, dot, read3
 
-# What a direction just outside the region gets where its distance rounds to zero, so that the
+# A direction just outside the region gets this where its distance rounds to zero, so that the
 # sign alone always tells the verdict, in float32 too.
 JUST_OUTSIDE = -1e-30
 

@@ -34,7 +34,7 @@ SDG, HEIGHT, TIP, MARGIN, ENERGY, SHARE, FACET, STATUS = range(len(CHANNELS))
 
 
 class Setting(NamedTuple):
-    """What every posture of a measurement shares: which facets count, and the wanted channels.
+    """Settings that all postures of a measurement share: acceptance, and the wanted channels.
 
     `groups` (n,) are those of `shares.least_share`.
     """

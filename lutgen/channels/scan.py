@@ -109,7 +109,7 @@ def scan(
     primitives : (m, n, 8) float64
         Primitives of every posture, relative to the com, rows of `primitive.pack`.
     setting : Setting
-        Which facets count, and the channels to fill.
+        Limits of facets, and the channels to fill.
     nodes : Nodes
         The directions.
     span : tuple of int

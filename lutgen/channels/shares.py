@@ -17,7 +17,7 @@ from lutgen.vector import Floats, Ints, Vector, add, cross, dot, read3, row, sca
 STEPS = 200
 # A balance of the weight (1) that is missed by less is none.
 BALANCED = 1e-15
-# What is added to the second derivatives (of 1): contacts in a line would leave them singular.
+# Added to the second derivatives (of 1): contacts in a line would leave them singular.
 RIDGE, MOST_RIDGE = 1e-15, 1e6
 
 

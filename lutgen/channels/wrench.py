@@ -1,4 +1,4 @@
-"""What kernels take of a recipe: its primitives, the facets that count, and the wrench.
+"""Numbers of a recipe for kernels: primitives, the facets that count, and the wrench.
 
 The wrench of each posture: resultant of its forces over the weight, and com ball.
 

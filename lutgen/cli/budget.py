@@ -66,7 +66,7 @@ class Options(RecipeOptions):
 def budget(source: str, options: Options) -> None:
     """Print how hard SOURCE may brake and turn before it tips over.
 
-    Of a recipe exactly; of the folder of an export as its C says it (smap_budget), which is never
+    A recipe's budget is exact; that of an export's folder is what its C says (smap_budget), never
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
     the speed at which a turn of --turn takes it.  Sliding is not included.  Of a recipe it also
     prints from which speed a dead stop does not tip it, all contacts at once in each heading or one

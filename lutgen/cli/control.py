@@ -13,7 +13,7 @@ from lutgen.cli.output import VERDICTS, aligned, by_unit, show
 from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError, reject
 
-# Of a policy that is made here: a cycle at each point of a path, no turn of `up` is too large, and
+# A policy that is made here has a cycle at each point of a path, no turn of `up` is too large, and
 # little is given up for smoothness.
 CYCLE, ANYHOW, WITHIN = 1.0, math.pi, math.radians(0.1)
 MOVES = ("moves", "rests", "held", "escapes", "blind")

@@ -101,7 +101,7 @@ def export(source: str, options: ExportOptions) -> None:
     $ lutgen export paper_two.h5 -o firmware
     $ cd firmware && cc -std=c99 -I. paper_two.c examples/read.c && ./a.out
     """
-    # What is wrong with the folder is said before the source is opened.
+    # Faults of the folder are said before the source is opened.
     folders.check_directory(options.output, options.force)
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()

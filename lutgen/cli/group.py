@@ -18,9 +18,9 @@ FAILED, BAD_INPUT = 1, 2
 COMMANDS = (
     "budget control eval export import_ limits optimum pages path posture recipes sweep weigh"
 )
-# What the system says of an output that takes no more: a name stands with all other files.
+# The system's errors of an output that takes no more: a name stands with all other files.
 NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-# What a fault of lutgen itself is called, and how much of its own words is quoted.
+# The name of a fault of lutgen itself, and how much of its own words is quoted.
 UNFORESEEN = "this is a fault of lutgen"
 LONGEST = 300
 

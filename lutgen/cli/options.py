@@ -1,4 +1,4 @@
-"""What commands are given: options as a dataclass, texts as numbers, and a source to work on."""
+"""Inputs of commands: options as a dataclass, texts as numbers, and a source to work on."""
 
 import functools
 import inspect
@@ -15,7 +15,7 @@ from lutgen.errors import InputError, reject
 
 log = logging.getLogger("lutgen")
 
-# What the largest number of a recipe is, too.
+# The largest number of a recipe, too.
 LARGEST = 1e12
 # The end of a file name that means a map; a file of another name says so by its first bytes.
 MAPS = (".h5", ".hdf5", ".nc")
@@ -240,7 +240,7 @@ def _is_map(path: str) -> bool:
         with Path(path).open("rb") as file:
             return file.read(len(robots.HDF5)) == robots.HDF5
     except OSError:
-        # What opens it says why it cannot be opened.
+        # The reader says why it cannot be opened.
         return False
 
 

@@ -1,4 +1,4 @@
-"""What commands print: a report as JSON or in words, numbers for either, columns."""
+"""Output of commands: a report as JSON or in words, numbers for either, columns."""
 
 import json
 import re
@@ -19,7 +19,7 @@ NO = 1
 # Exit code of a verdict that a robot tips over, or that nobody can tell; of every command that has
 # one (docs/guide/commands.md).
 TIPS = 3
-# What a verdict is called in words, by the status of a report.
+# The words of a verdict, by the status of a report.
 VERDICTS = {"stands": "stands", "rocks": "rocks", "tips": "tips over"}
 
 
@@ -123,7 +123,7 @@ def unit_text(unit: str) -> str:
 def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
     """Return a number as text, a dash where there is none.
 
-    What rounding leaves of zero is zero, and zero has no sign.
+    A remainder of rounding is zero, and zero has no sign.
     """
     if value is None:
         return "-"

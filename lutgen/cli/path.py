@@ -86,7 +86,7 @@ def path(recipe: str, options: Options) -> None:
         **output.entries(options, "terrain method objective convention lag"),
         "points": len(ground.position),
         "length": ground.distance[-1],
-        # What the path gives is the slope of the ground, or the attitude of the body on it.
+        # The path gives the slope of the ground, or the attitude of the body on it.
         **({"ground_tilt_deg": tilts(ground.gravity)} if options.convention == "plane" else {}),
         "path": dict(zip("xyz", ground.position.T, strict=True)),
         "runs": [run_entry(robot, name, run) for name, run in runs.items()],

@@ -90,7 +90,7 @@ def _even(count: int, most: int) -> int:
     return -(-count // -(-count // most))
 
 
-# Which definition of what stands the values are by (docs/reference/conventions.md).
+# The definition of what stands (docs/reference/conventions.md).
 DEFINITION = 3
 ATTRIBUTE = "digest"
 # Bytes of the digest of a block; one that is not written yet is zeros.

@@ -40,7 +40,7 @@ METHODS = ("map", "nelder-mead", "search", "multistart")
 MAP = "paper_two.h5"
 # Headings among which the robot may turn on the path.
 HEADINGS = 24
-# What the runs of simulation 3 are asked: without control, with the geometry found for the point
+# Runs of simulation 3: without control, with the geometry found for the point
 # before or for the point itself, with the heading alone free to turn, and with heading and shape.
 RUNS: dict[str, dict[str, Any]] = {
     "fixed": {"control": False},

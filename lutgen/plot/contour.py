@@ -29,7 +29,7 @@ from lutgen.vector import Floats
 Best = tuple[float, float, float]
 
 RIGHT = 6.55
-# Of the axes' width: labels of lines keep so far from each other, from the frame and from jumps.
+# Parts of the axes' width: labels of lines keep so far from each other, the frame and jumps.
 APART, INSIDE, AWAY = 0.06, 0.03, 0.035
 # One marker for each step; a search of more steps begins again.
 MARKERS = ("o", "s", "^", "D", "v", "P")

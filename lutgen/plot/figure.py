@@ -57,7 +57,7 @@ CHOOSE = "choose from"
 
 
 class Choices(TypedDict, total=False):
-    """What may be asked of a figure, see `draw`."""
+    """Options of a figure, see `draw`."""
 
     params: Mapping[str, float] | None
     gravity: ArrayLike
@@ -94,7 +94,7 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         Whether gravity is fixed in the body frame, or relative to the contact plane (T_g, see
         `lutgen.channels.resting`): for recipes only, and not for `sphere` and `polar`.
     scale : (2,) of float, optional
-        What the colours span at least, in the unit that is shown: figures of one scale can be
+        Least span of the colours, in the unit that is shown: figures of one scale can be
         compared.  Tip-over angles always span 0 to 60 deg.
     ax : matplotlib.axes.Axes, optional
         Draws into these axes, without what stands beside them, and leaves their figure as it is.

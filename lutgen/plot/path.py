@@ -48,7 +48,7 @@ MOST_FRAMES, COLOURS = 60, 64
 LENGTH, SHORTEST, LONGEST = 7.2, 0.12, 0.5
 # Inches and dots; films need an even number of dots each way.
 SIZE, RESOLUTION = (8.0, 5.6), 80
-# Of ffmpeg: no dates and versions, but our mark (lutgen/files.py).
+# Options of ffmpeg: no dates and versions, but our mark (lutgen/files.py).
 EXACTLY = ["-fflags", "+bitexact", "-metadata", "comment=lutgen"]
 
 

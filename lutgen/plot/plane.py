@@ -13,12 +13,12 @@ from lutgen.quantities import QUANTITIES
 from lutgen.vector import Bools, Floats
 
 CELLS, FINER = 180, 6
-# What is left of a step after so many halvings, in degrees: contours end from BREAK on, and a line
+# The rest of a step after so many halvings, in degrees: contours end from BREAK on, and a line
 # is drawn from FAINT on if it is DRAWN high somewhere and SHORTEST cells long.
 HALVINGS, BREAK, FAINT, DRAWN, SHORTEST = 6, 0.3, 1.0, 2.5, 8
 # Contours end this many cells from a jump, and where the slope is below FLAT a cell.
 CLEAR, FLAT = 1.6, 0.05
-# Of a channel without degrees, this share of its range counts as one.
+# This share of the range counts as one degree, for channels that are no angles.
 SHARE = 0.02
 # Postures as good as the best one but for this much are alike; the star stands well inside of them.
 ALIKE, INSIDE = 2.0, 0.7
@@ -68,7 +68,7 @@ class Plane:
             first = np.abs(vm - va) > np.abs(vb - vm)
             b, vb = np.where(first, middle, b), np.where(first, vm, vb)
             a, va = np.where(first, a, middle), np.where(first, va, vm)
-            # What is no jump by now is none later.
+            # A step that is no jump by now is none later.
             left = (np.abs(vb - va) > BREAK * self.degree) & self._stands(np.fmax(va, vb))
             rows, columns, va, vb = rows[left], columns[left], va[left], vb[left]
             a, b = a[:, left], b[:, left]

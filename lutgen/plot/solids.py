@@ -68,7 +68,7 @@ class Body:
     def cube(self, link: Link) -> list[Solid]:
         """Return the box of a link's mass, if it has one."""
         edge = self.block(link)
-        # Of sensors of a few grams nothing is seen.
+        # Sensors of a few grams are not drawn.
         half = np.array(link.shape or [edge if edge > 0.04 * self.size else 0.0] * 3) / 2.0
         turn, at = self.turn[link.name], self.com[link.name]
         return [box(-half, half, colours().body, turn, at)] if half.all() else []

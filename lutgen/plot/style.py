@@ -114,7 +114,7 @@ DARK = Colours(
     *("#11161d", "#e6ebf1", "#9fabb8", "#37424f", "#56b4e9", "#ff6b5e", "#1c242e", "#203648"),
     *("#8797a8", "#5c6b7a", "#26303b", "#566373", "#0a0d11"),
 )
-# What lies on a colour scale looks the same on both sheets.
+# Marks on a colour scale look the same on both sheets.
 BLACK = "#111820"
 # One colour is one angle (deg) in all figures; 60 deg and more look alike.  Bright is good.
 TOP = 60.0
@@ -198,7 +198,7 @@ def halo(width: float = 3.0, colour: Any = None) -> list[AbstractPathEffect]:
 
 def ink_on(fill: Any) -> str:
     """Return white or black, whichever is read better on a colour."""
-    # Of linear light; above it black has the higher contrast.
+    # Linear light; above this black has the higher contrast.
     bright = np.asarray(fill)[:3] ** 2.2 @ [0.2126, 0.7152, 0.0722]
     return "white" if float(bright) < 0.2 else BLACK
 

@@ -137,7 +137,7 @@ def unit(vector: Sequence[float]) -> Vector:
     return x / length, y / length, z / length
 
 
-# What a value becomes, by its key; others stay, and lists become tuples.
+# Conversions of values, by key; others stay, and lists become tuples.
 _INSIDE: dict[str, Callable[[Any], Any]] = {
     "axis": unit,
     "rpy": lambda rpy: three([math.radians(angle) for angle in rpy]),

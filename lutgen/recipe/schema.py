@@ -104,7 +104,7 @@ Driven = Annotated[Annotated[Step, Tag("|yes")] | Annotated[Factor, Tag("|no")],
 
 
 class Parameter(Table):
-    """What the robot can change: an axis of the map."""
+    """A joint or a length that the robot can change: an axis of the map."""
 
     name: Annotated[str, Field(pattern=IDENTIFIER)] = key("Letters, digits and _.", "lift")
     min: OfParameter = key("Where the map begins.", -10.0)
@@ -206,7 +206,7 @@ class Group(Table):
 
 
 class Payload(Table):
-    """What the robot carries."""
+    """A load on the robot."""
 
     name: Text = key("A name that no link has.", "load")
     link: Text = key("The link that carries it.", "body")
@@ -215,7 +215,7 @@ class Payload(Table):
 
 
 class Force(Table):
-    """What pulls at the robot."""
+    """A force on the robot."""
 
     name: Text = key("A name of its own.", "rope")
     link: Text = key("The link that it pulls at.", "body")
@@ -227,7 +227,7 @@ class Force(Table):
 
 
 class Robot(Table):
-    """What the robot is."""
+    """The robot."""
 
     name: Text = key("What the robot is called.", "rover")
     length_unit: LengthUnit = key("The unit of all lengths, 1 for ratios.", "m")
@@ -276,7 +276,7 @@ class Robot(Table):
 
 
 class Gravity(Table):
-    """Which directions the map has."""
+    """The directions of the map."""
 
     chart: Literal["cone", "sphere"] = key("Tilts up to `max_tilt`, or every direction.", "cone")
     max_tilt: Annotated[Finite, Field(gt=0, le=85), _in("deg")] | None = may(
@@ -289,7 +289,7 @@ class Gravity(Table):
 
 
 class Sweep(Table):
-    """What the map holds."""
+    """The contents of the map."""
 
     samples: dict[str, Sampled] | None = may(
         "Of each parameter its nodes, both ends included, or its knots.",

@@ -1,4 +1,4 @@
-"""What a search makes small: one channel, or a weighted sum of several.
+"""Objective of a search: one channel, or a weighted sum of several.
 
 Channels of which more is better count with their sign turned, so a cost is always minimised.  A
 geometry in which the robot tips costs more than any in which it stands, and the more the farther it

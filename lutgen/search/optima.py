@@ -26,7 +26,7 @@ ENDS = ("left", "right")
 
 @dataclass(frozen=True)
 class Optimum:
-    """What a search found; parameters in rad or the recipe's length unit.
+    """Result of a search; parameters in rad or the recipe's length unit.
 
     `params` (k,) is the best geometry seen in the whole search, and `value` the objective there:
     the channel's value, or the cost of a weighted sum; NaN where the robot tips.  If it is not
@@ -88,7 +88,7 @@ def optimum(
     start : (k,) array_like, optional
         For `nelder-mead` and `multistart`; the middle of the bounds by default.
     limit : float, optional
-        Of the acceptable ranges: the objective's worst acceptable value.  By default all
+        The objective's worst acceptable value, for the acceptable ranges.  By default all
         geometries in which the robot stands are acceptable.
     levels, ends
         Of `search`: see `methods.refine`.
@@ -130,10 +130,19 @@ def optimum(
     if not lost:
         acceptable[space.free] = found * space.factor[:, None]
         delta[space.free] = half_widths(found, best.params, space.box) * space.factor
-    trace = tuple(_named(step, goal, space) for step in steps)
     shown = _named(best, goal, space)
-    seen = (shown.params, shown.value, best.value < TIPS, evaluations, trace)
-    return Optimum(*seen, acceptable, delta, method, objective, convention)
+    return Optimum(
+        shown.params,
+        shown.value,
+        standing=best.value < TIPS,
+        evaluations=evaluations,
+        trace=tuple(_named(step, goal, space) for step in steps),
+        acceptable=acceptable,
+        delta=delta,
+        method=method,
+        objective=objective,
+        convention=convention,
+    )
 
 
 def searched_each(
@@ -186,7 +195,7 @@ def _check(method: str, ends: str, levels: int) -> None:
 
 @dataclass(frozen=True)
 class _Space:
-    """What a search sees of the parameters: those that are free, in the units that people read.
+    """The parameters of a search: those that are free, in the units that people read.
 
     The paper's nodes are whole degrees.  `box` (f, 2) and `factor` (f,) belong to the free ones;
     `free` (k,) says which they are, and `whole` (k, 2) are the bounds of all, rad or length.

@@ -147,7 +147,7 @@ def turned(path: Path, turn: ArrayLike) -> Path:
     cos, sin = np.cos(angle), np.sin(angle)
     x, y, z = path.gravity.T
     gravity = np.column_stack([cos * x + sin * y, cos * y - sin * x, z])
-    # Of both x axes, (1, 0, 0) and (cos, sin, 0), the parts that are horizontal: their angle
+    # The horizontal parts of both x axes, (1, 0, 0) and (cos, sin, 0): their angle
     # about the vertical.
     yaw = np.arctan2(-z * sin, cos - x * (cos * x + sin * y))
     return Path(path.position, path.heading + yaw, gravity)

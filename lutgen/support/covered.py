@@ -62,7 +62,7 @@ def show(primitives: Floats, size: float, shown: Floats, source: Ints) -> int:
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     size : float
-        Of the robot (length).
+        Size of the robot (length).
     shown : (n, 8) float64
         Filled with them, in their order.
     source : (n,) int64
@@ -78,7 +78,7 @@ def show(primitives: Floats, size: float, shown: Floats, source: Ints) -> int:
         covered = False
         for j in range(n):
             if bent and j != i and lies_within(primitives, i, j, STICKS_OUT, size):
-                # Of two that are one the first stays.
+                # If two are one, the first stays.
                 covered |= j < i or not lies_within(primitives, j, i, STICKS_OUT, size)
         if not covered:
             source[count] = i

@@ -42,7 +42,7 @@ def line_on(wall: Vector, ground: Ground) -> Line:
 def cut(region: Region, count: int, wall: Vector, line: Line, ground: Ground) -> int:
     """Cut the polygon in row 0 of `Region.swung` by a wall; return how many corners it has.
 
-    What is on the inner side of the wall through the com stays; over `line` the robot turns there.
+    The inner side of the wall through the com stays; over `line` the robot turns there.
     """
     old, new, kept = region.swung[0], region.swung[1], 0
     side, plane = subtract(line[1], line[0]), cross(line[0], line[1])

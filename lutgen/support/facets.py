@@ -167,7 +167,7 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
     region : Region
         Its facets and edges are filled.
     size : float
-        Of the robot (length).
+        Size of the robot (length).
     steepest : float
         Facets count if -n_z is greater than this; of others only those are found that lead there.
     """

@@ -44,7 +44,7 @@ def _widest_plane(
     origin = support_contact(primitives, i, normal)
     pair, side = (-1, -1), (0.0, 0.0, 0.0)
     for turn in range(2):
-        # What is in a row makes no plane.
+        # Contacts in a row make no plane.
         most = ROW * same * length(side)
         for k in range(primitives.shape[0]):
             if has_bit(mask, k) and k != i:
@@ -141,7 +141,7 @@ def _add_contacts(primitives: Floats, region: Region, f: int, mask: int, same: f
     for _ in range(GATHERS):
         better, good = _widest_plane(primitives, mask, normal, i, same)
         normal = better if good else normal
-        # What is below the new plane is in it, too.
+        # Contacts below the new plane are in it, too.
         mask |= all_touching(primitives, region, normal, i, same)
     if _enter(primitives, region, f, normal, mask, same):
         forget_edges(region, first, corners)

@@ -32,7 +32,7 @@ def outline(flat: Floats, ids: Ints, count: int, slack: float) -> int:
     flat : (k, 2) float64
         Coordinates; the first `count` rows are read, and sorted.
     ids : (3 k + 2,) int64
-        What each point is called; the names of the corners are left there, counter-clockwise and
+        Name of each point; the names of the corners are left there, counter-clockwise and
         from the lowest on.
     count : int
         How many points.
@@ -99,7 +99,7 @@ def corners_of(primitives: Floats, mask: int, normal: Vector, slack: float, regi
         if has_bit(mask, i):
             point = support_contact(primitives, i, normal)
             x, y = dot(first, point), dot(second, point)
-            # Of contacts that are one the first counts, in every facet.
+            # If contacts are one, the first counts, in every facet.
             fresh = True
             for other in range(count):
                 fresh &= max(abs(flat[other, 0] - x), abs(flat[other, 1] - y)) > slack

@@ -130,7 +130,7 @@ def _is_short(region: Region, b: int) -> bool:
 def _is_noise(region: Region, b: int) -> bool:
     """Tell whether an arc is short, and longer ones close the region beside it.
 
-    Of a region as narrow as that, which is a sliver, every arc counts.
+    In a region as narrow as that, which is a sliver, every arc counts.
     """
     if not _is_short(region, b):
         return False

@@ -22,7 +22,7 @@ def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     accept : Acceptance
-        Which facets count, what a rest is and how far the robot rocks.
+        Limits of facets and rests, and how far the robot rocks.
     """
     contacts = contact_count(primitives)
     places, axles = primitives[:contacts], primitives[contacts:]

@@ -19,7 +19,7 @@ from lutgen.vector import Floats, Vector, dot, read3, row, scale, subtract
 SAME = 1e-9
 # As many as an int64 has bits for, with the sign and one to spare.
 MAX_PRIMITIVES = 62
-# What a direction does, and what the channel `status` holds.
+# Verdicts of a direction: the values of the channel `status`.
 STANDS, ROCKS, TIPS = 0, 1, 2
 # Nearer to the normal of a facet that it carries (rad), or than 90 deg less `upright`, the axle of
 # a wheel may not be.  Of level axles `upright` says so itself.
@@ -50,7 +50,7 @@ AXLE_ROW = record("pivot way com", "mass", "first second")
 
 
 class Acceptance(NamedTuple):
-    """Which facets count and where the robot rocks, as the numbers that kernels compare with.
+    """Limits of facets and of rocking, as the numbers that kernels compare with.
 
     `steepest`: a facet is accepted if -n_z is greater than this; one exactly at the limit is
     refused, because a robot that lies on its side does not stand.  `rock_angle` (rad): the largest

@@ -39,7 +39,7 @@ REACH = 3.0
 
 
 class Limits(NamedTuple):
-    """Which planes are wanted, and whether the contacts move as one.
+    """Limits of a search for planes, and whether the contacts move as one.
 
     `highest`: the greatest n_z of a plane that is wanted.  `same`: the length that counts as none.
     `rigid`: whether all primitives are alike, so that planes see them as points.
@@ -164,7 +164,7 @@ def tilt(
     normal, ahead : tuple of float
         Unit vectors: the plane's normal, and where it is tilted to, at a right angle to it.
     limits : Limits
-        Which planes are wanted.
+        Limits of the planes that are wanted.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def tilt(
     across = cross(ahead, normal)
     radius, bent = max(primitives[i, RADIUS], primitives[j, RADIUS]) if j >= 0 else 0.0, False
     for k in range(primitives.shape[0]):
-        # What is round touches a plane about a line of points twice.
+        # A round contact touches a plane about a line of points twice.
         bent |= not rigid and has_bit(mask, k) and primitives[k, RADIUS] > 0.0
     step = LONGEST_STEP
     if bent and radius > 0.0:

@@ -143,7 +143,7 @@ class _Reader:
         ref = float(model.qpos0[model.jnt_qposadr[j]])
         moves = "prismatic" if kind == SLIDE else "revolute" if limited else "continuous"
         ends = {"lower": low - ref, "upper": high - ref} if limited else {}
-        # What tendons and others drive is not said by joint.
+        # Tendons and others do not say which joint they drive.
         by_joint = model.nu and (model.actuator_trntype <= 1).all()
         effort = 0.0 if by_joint and j not in model.actuator_trnid[:, 0] else None
         axis = as_vector(np.array(model.jnt_axis[j]))

@@ -155,7 +155,7 @@ def _within(joint: UrdfJoint, value: float) -> bool:
 def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:
     """Return the moving joints of each ``<group>`` of an SRDF, in order of the description.
 
-    What the description does not have is in no group, such as a floating base.
+    A joint that the description lacks, such as a floating base, is in no group.
     """
     parts: dict[str, list[Element]] = {}
     for group in root.iterfind("group"):
