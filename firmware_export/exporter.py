@@ -36,7 +36,7 @@ ROOM = 64 * 1024
 
 
 @dataclass(frozen=True)
-class Asked:
+class ExportOptions:
     """Options of an export; see the parameters of `export`."""
 
     name: str | None = None
@@ -137,7 +137,7 @@ def export(
     """
     tell = progress or log.debug
     check_directory(directory, force)
-    asked = Asked(name, flash, max_error, channels, codec, arithmetic, allow_python, points)
+    asked = ExportOptions(name, flash, max_error, channels, codec, arithmetic, allow_python, points)
     final = certified(source, asked, tell)
     tell("writing")
     return Report(write(final, directory, tell, force))
@@ -145,7 +145,7 @@ def export(
 
 def certified(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
-    asked: Asked,
+    asked: ExportOptions,
     tell: Callable[[str], None] = log.debug,
 ) -> Export:
     """Return the export of a source, chosen and certified, before it is written; see `export`."""

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from firmware_export.codecs import usable
-from firmware_export.control import Wishes, steered
+from firmware_export.control import PolicyOptions, steered
 from firmware_export.host import BLIND, ESCAPES, Controller, budget
 from firmware_export.protocol import Blob, Policy, describe
 from firmware_export.truth import Model
@@ -59,11 +59,11 @@ class Steered:
         return np.asarray(body_gravity(self.model.recipe, params, slopes, "plane"))
 
 
-def robot(name: str, codec: str = "contacts", **wishes: Any) -> Steered:
+def robot(name: str, codec: str = "contacts", **options: Any) -> Steered:
     """Return a robot of the gallery, its export not certified, with a policy."""
     model = Model(load_recipe(GALLERY / f"{name}.toml"))
     info = usable(model, "float", codec)[0]
-    export, found = steered(info.export(model, name, ("tip_angle",)), Wishes(**wishes))
+    export, found = steered(info.export(model, name, ("tip_angle",)), PolicyOptions(**options))
     return Steered(model, describe(export), found.policy)
 
 

@@ -8,7 +8,7 @@ import re
 import shutil
 from pathlib import Path
 
-from firmware_export.control import Wishes, steered
+from firmware_export.control import PolicyOptions, steered
 from firmware_export.emit import package
 from proofs.subjects import Subject
 from proofs.tools import FAILED, OK, Clock, Result, run
@@ -83,7 +83,7 @@ def prove(subject: Subject, folder: Path, patience: float) -> Result:
 
 def prove_control(folder: Path, patience: float) -> Result:
     """Prove three cycles of on-board control of any samples, of an export on three points."""
-    export, _ = steered(tripod_export("steered"), Wishes(nodes=5))
+    export, _ = steered(tripod_export("steered"), PolicyOptions(nodes=5))
     package.write(export, folder / "export")
     for path in (folder / "export").glob("*.[ch]"):
         shutil.copy(path, folder)

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.control import Wishes, steered
+from firmware_export.control import PolicyOptions, steered
 from firmware_export.emit import package
 from firmware_export.host import Controller
 from firmware_export.protocol import describe
@@ -51,7 +51,7 @@ class Robot:
 
 def prepared(name: str) -> Robot:
     """Make a robot's export with a policy, and drive the host."""
-    export, found = steered(of_recipe(name, "contacts"), Wishes())
+    export, found = steered(of_recipe(name, "contacts"), PolicyOptions())
     folder = BUILD / name / "control"
     folder.parent.mkdir(parents=True, exist_ok=True)
     package.write(export, folder)

@@ -87,7 +87,7 @@ CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 
 
 @dataclass(frozen=True)
-class Wishes:
+class PolicyOptions:
     """Options of a policy; angles in rad, lengths in the recipe's unit, times in s.
 
     `lutgen policy -h` says what each is.  Of `home`, `rate` and `delta` parameters may be left out;
@@ -137,24 +137,24 @@ class Design(NamedTuple):
     slopes: int
 
 
-def design(model: Model, wishes: Wishes) -> Design:
-    """Return the policy of a robot, and what it loses; refuse wishes that mean nothing."""
-    _refuse(model, wishes)
-    parameters, n = model.recipe.parameters, wishes.nodes
+def design(model: Model, options: PolicyOptions) -> Design:
+    """Return the policy of a robot and its losses; refuse options that mean nothing."""
+    _refuse(model, options)
+    parameters, n = model.recipe.parameters, options.nodes
     # A move of one (rad) of each parameter: of a length, its axis.
     scale = np.where([p.unit == "rad" for p in parameters], 1.0, model.upper - model.lower)
     home = np.array(
         [
-            wishes.home.get(p.name, value)
+            options.home.get(p.name, value)
             for p, value in zip(parameters, model.recipe.home_params, strict=True)
         ]
     )
-    limit = math.tan(wishes.slope)
+    limit = math.tan(options.slope)
     if model.faces == 1:
         limit = min(limit, model.chart_limit)
     along = np.linspace(-limit, limit, n)
     slopes = np.array([[u, v, -1.0] for u in along for v in along])
-    postures, scores = lattice(model), score_of(wishes.objective, wishes.margin)
+    postures, scores = lattice(model), score_of(options.objective, options.margin)
 
     def move2(params: Floats) -> Floats:
         return np.asarray((((params - home) / scale) ** 2).sum(axis=1))
@@ -162,37 +162,37 @@ def design(model: Model, wishes: Wishes) -> Design:
     def scored(params: Floats, places: Floats) -> Floats:
         uv = (2.0 * places - 1.0) * limit
         down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
-        return scores(*read(model, params, down, wishes.convention), move2(params))
+        return scores(*read(model, params, down, options.convention), move2(params))
 
-    tip, sdg = measured(model, postures, slopes, wishes.convention)
+    tip, sdg = measured(model, postures, slopes, options.convention)
     score = scores(tip, sdg, move2(postures)).reshape(n, n, -1)
-    first = smooth(postures, score, home, scale, wishes.within)
+    first = smooth(postures, score, home, scale, options.within)
     alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], first.shape)
-    enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within
+    enough = np.maximum(score.max(axis=2), -math.pi) - options.within
     values = polished((first, alike), enough, (model.lower, model.upper), scale, scored)
     low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-6 * (model.upper - model.lower)) / CODES
     policy = Policy(
         codes=np.rint((values - low) / step).clip(0, CODES).astype(np.uint8),
         limit=limit,
-        joints=_joints(model, wishes, low, step),
-        **{name: getattr(wishes, name) for name in ("cycle", "latency", "margin", "levels")},
-        swerve=wishes.swerve,
-        poses=wishes.poses,
+        joints=_joints(model, options, low, step),
+        **{name: getattr(options, name) for name in ("cycle", "latency", "margin", "levels")},
+        swerve=options.swerve,
+        poses=options.poses,
     )
     best = smooth(postures, score, home, scale, 0.0)
     return Design(
-        policy, _loss(model, policy, postures, wishes, scale), _step(best / scale), UNSEEN
+        policy, _loss(model, policy, postures, options, scale), _step(best / scale), UNSEEN
     )
 
 
-def _joints(model: Model, wishes: Wishes, low: Floats, step: Floats) -> tuple[Joint, ...]:
+def _joints(model: Model, options: PolicyOptions, low: Floats, step: Floats) -> tuple[Joint, ...]:
     """Return what the C knows of each parameter."""
     limits, span = limits_of(model), model.upper - model.lower
     joints = []
     for at, parameter in enumerate(model.recipe.parameters):
-        rate = wishes.rate.get(parameter.name, 0.25 * span[at]) * wishes.cycle
-        delta = wishes.delta.get(parameter.name, span[at])
+        rate = options.rate.get(parameter.name, 0.25 * span[at]) * options.cycle
+        delta = options.delta.get(parameter.name, span[at])
         bounds = (float(row[at]) for row in (limits.reach, limits.bend, limits.lean))
         joints.append(Joint(float(low[at]), float(step[at]), rate, delta, NEAR * rate, *bounds))
     return tuple(joints)
@@ -205,18 +205,20 @@ def _step(values: Floats) -> float:
     )
 
 
-def _loss(model: Model, policy: Policy, postures: Floats, wishes: Wishes, scale: Floats) -> Loss:
+def _loss(
+    model: Model, policy: Policy, postures: Floats, options: PolicyOptions, scale: Floats
+) -> Loss:
     """Return what a table loses against the best of some postures on slopes it has not seen."""
     uv = np.random.default_rng(SEED).uniform(-policy.limit, policy.limit, (UNSEEN, 2))
     slopes = np.concatenate([uv, -np.ones((UNSEEN, 1))], axis=1)
     slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
-    best = measured(model, postures, slopes, wishes.convention)[0].max(axis=1)
+    best = measured(model, postures, slopes, options.convention)[0].max(axis=1)
     values = policy.values()
     nodes = len(values)
     # As smap_target has them.
     at = (slopes[:, :2] / -slopes[:, 2:] + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
     cell = np.clip(at.astype(np.int64), 0, nodes - 2)
-    tip, _ = read(model, between(values, cell, at - cell), slopes, wishes.convention)
+    tip, _ = read(model, between(values, cell, at - cell), slopes, options.convention)
     lost = np.degrees(np.maximum(best - np.maximum(tip, 0.0), 0.0))
     stands = best >= 0.0
     return Loss(
@@ -231,7 +233,7 @@ def _loss(model: Model, policy: Policy, postures: Floats, wishes: Wishes, scale:
     )
 
 
-def _refuse(model: Model, wishes: Wishes) -> None:
+def _refuse(model: Model, options: PolicyOptions) -> None:
     """Refuse what means nothing; the command line knows names and ranges."""
     source, names = model.recipe.source, [p.name for p in model.recipe.parameters]
     if not names:
@@ -247,7 +249,7 @@ def _refuse(model: Model, wishes: Wishes) -> None:
             f"{model.k}); let several joints share a parameter."
         )
     for what in ("home", "rate", "delta"):
-        for name, value in getattr(wishes, what).items():
+        for name, value in getattr(options, what).items():
             low, high = model.lower[names.index(name)], model.upper[names.index(name)]
             if what == "home" and not low <= value <= high:
                 raise InputError(f"{source}: --home: {name} is off its axis (got {value:g}).")

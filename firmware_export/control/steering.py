@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from firmware_export.codecs import usable
-from firmware_export.control.maker import Design, Wishes, design
+from firmware_export.control.maker import Design, PolicyOptions, design
 from firmware_export.device import ExportFolder
 from firmware_export.emit import check_directory, default_name, write
-from firmware_export.exporter import Asked, certified
+from firmware_export.exporter import ExportOptions, certified
 from firmware_export.host import Controller
 from firmware_export.protocol import Blob, Export, describe
 from firmware_export.truth import Model
@@ -28,12 +28,12 @@ from lutgen.vector import Floats
 CHANNELS = ("tip_angle",)
 
 
-def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
+def steered(export: Export, policy_options: PolicyOptions) -> tuple[Export, Design]:
     """Return an export with the policy that is asked for, and what is known of it.
 
-    Wishes that mean nothing and exports that are read without floats are refused.
+    Options that mean nothing and exports that are read without floats are refused.
     """
-    found = design(export.model, wishes)
+    found = design(export.model, policy_options)
     blob = describe(export)
     Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it
     return replace(export, policy=found.policy), found
@@ -42,7 +42,7 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
 def policy(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
     directory: str | os.PathLike[str],
-    wishes: Wishes | None = None,
+    policy_options: PolicyOptions | None = None,
     tell: Callable[[str], None] = lambda text: None,
     **options: Any,
 ) -> tuple[dict[str, Any], Design]:
@@ -54,9 +54,9 @@ def policy(
     it loses.
     """
     check_directory(directory)
-    export = certified(source, Asked(**options), tell)
+    export = certified(source, ExportOptions(**options), tell)
     tell("looking for the best postures")
-    export, found = steered(export, wishes or Wishes())
+    export, found = steered(export, policy_options or PolicyOptions())
     tell("writing")
     return write(export, directory, tell), found
 
@@ -109,15 +109,17 @@ def steering_in(directory: str | os.PathLike[str]) -> Steering:
     return Steering(recipe, folder.blob, packed, cycle, latency, rates, folder.report["codec"])
 
 
-def steering_of(recipe: Recipe, wishes: Wishes) -> Steering:
+def steering_of(recipe: Recipe, policy_options: PolicyOptions) -> Steering:
     """Return a robot with a map and a policy, made now and not certified."""
     model = Model(recipe)
     info = usable(model, "float", "contacts")[0]
-    export, found = steered(info.export(model, default_name(recipe.name), CHANNELS), wishes)
+    export, found = steered(info.export(model, default_name(recipe.name), CHANNELS), policy_options)
     blob = describe(export)
     packed = found.policy.packed(blob.bytes)
-    rates = np.array([joint.rate for joint in found.policy.joints]) / wishes.cycle
-    return Steering(recipe, blob, packed, wishes.cycle, wishes.latency, rates, info.name)
+    rates = np.array([joint.rate for joint in found.policy.joints]) / policy_options.cycle
+    return Steering(
+        recipe, blob, packed, policy_options.cycle, policy_options.latency, rates, info.name
+    )
 
 
 def _rates(packed: bytes, joints: int) -> Floats:

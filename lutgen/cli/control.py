@@ -127,7 +127,7 @@ def steering_for(source: str, options: Options) -> "onboard.Steering":
     robot = open_recipe(source, options.allow_python)
     cycle = CYCLE if options.cycle is None else options.cycle
     # Every parameter goes all the way in a cycle, unless its rate is given.
-    wishes = onboard.Wishes(
+    policy_options = onboard.PolicyOptions(
         objective=options.objective or "tip_angle",
         within=WITHIN,
         rate=stored_values(robot, options.rate, "--rate")
@@ -136,7 +136,7 @@ def steering_for(source: str, options: Options) -> "onboard.Steering":
         latency=max(options.latency or 0.0, 1e-6),
         swerve=ANYHOW,
     )
-    return onboard.steering_of(robot, wishes)
+    return onboard.steering_of(robot, policy_options)
 
 
 def plant_for(steering: "onboard.Steering", options: Options) -> "onboard.Plant":

@@ -155,7 +155,7 @@ def policy(source: str, options: PolicyOptions) -> None:
     folders.check_directory(options.output)
     opened = open_source(source, options.allow_python)
     recipe = opened.recipe if isinstance(opened, maps.StabilityMap) else opened
-    wishes = onboard.Wishes(
+    policy_options = onboard.PolicyOptions(
         **entries(options, "objective nodes cycle latency convention poses"),
         within=math.radians(options.within),
         slope=math.radians(options.slope),
@@ -165,7 +165,7 @@ def policy(source: str, options: PolicyOptions) -> None:
         delta=stored_values(recipe, options.delta, "--delta"),
     )
     report, found = onboard.policy(
-        opened, options.output, wishes, lambda text: log.info("%s", text), name=options.name
+        opened, options.output, policy_options, lambda text: log.info("%s", text), name=options.name
     )
     loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}
     show({"directory": options.output, **report, "loss": loss}, policy_lines, options.as_json)

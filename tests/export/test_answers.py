@@ -9,7 +9,7 @@ import pytest
 import lutgen
 from firmware_export.codecs import codec
 from firmware_export.contacts.codec import LIMITS
-from firmware_export.control import Wishes, design
+from firmware_export.control import PolicyOptions, design
 from firmware_export.truth import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
@@ -173,4 +173,4 @@ def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out():
     uncertain = Model(parse_recipe(uncertain))
     assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
     with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):
-        design(Model(parse_recipe(TRACTOR)), Wishes())
+        design(Model(parse_recipe(TRACTOR)), PolicyOptions())

@@ -9,7 +9,7 @@ import pytest
 
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import put_to_test
-from firmware_export.exporter import Asked, certified
+from firmware_export.exporter import ExportOptions, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
 from firmware_export.grid.points import bounds, reach_of
@@ -209,7 +209,7 @@ def trained(text, nodes, channels=("sdg", "tip_angle")):
 
 @pytest.mark.parametrize("chart", ["cone", "sphere"])
 def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart):
-    asked = Asked(flash="8kB", codec="grid", arithmetic="integer", points=2_000)
+    asked = ExportOptions(flash="8kB", codec="grid", arithmetic="integer", points=2_000)
     export = certified(parse_recipe(rover(chart=chart)), asked)
     reader, certificate = device(export), export.certificate
     assert certificate is not None
