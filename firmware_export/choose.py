@@ -104,6 +104,7 @@ class Trials:
         self.channels, self.arithmetic = channels, arithmetic
         self.tried: dict[tuple[Codec, Any], Candidate | None] = {}
         self.refused: dict[str, str] = {}  # by codec what it said last of a size
+        self.bounded = bounded(channels)  # those whose errors count
         self.jump = largest_jump(model, SEED)
 
     @cached_property
@@ -115,20 +116,10 @@ class Trials:
             for points in (uniform, biased)
         ]
 
-    @property
-    def bounded(self) -> tuple[str, ...]:
-        """The channels whose errors count."""
-        return bounded(self.channels)
-
     @cached_property
     def ranges(self) -> dict[str, float]:
         """The ranges of the channels that count, over the standing points of the sample."""
         return {channel: span_of(self.sample, channel) for channel in self.bounded}
-
-    @property
-    def candidates(self) -> list[Candidate]:
-        """Return the candidates that could be encoded."""
-        return [one for one in self.tried.values() if one is not None]
 
     def try_out(self, codec: Codec, spec: Any) -> Candidate | None:
         """Return a candidate, None for a size that the codec cannot encode."""
@@ -215,13 +206,13 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
 
 def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
     """Return the rows of the table of candidates: of each codec those that none of it beats."""
-    rows = []
-    for one in trials.candidates:
+    rows, candidates = [], [one for one in trials.tried.values() if one is not None]
+    for one in candidates:
         beaten = any(
             o.total <= one.total
             and o.error <= one.error
             and (o.total, o.error) != (one.total, one.error)
-            for o in trials.candidates
+            for o in candidates
             if o.export.codec == one.export.codec
         )
         # Its guard may be another since, see `exporter.guarded`.

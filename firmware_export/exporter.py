@@ -8,13 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.certify.answers import device
-from firmware_export.certify.certificate import (
-    POINTS,
-    SEED,
-    Certificate,
-    certify,
-    put_to_test,
-)
+from firmware_export.certify.certificate import POINTS, SEED, Certificate, certify, put_to_test
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
@@ -179,7 +173,7 @@ def certified(
         chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
-        "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
+        "error_percent": certificate.error_of(trials.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
     }

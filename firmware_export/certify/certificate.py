@@ -69,11 +69,6 @@ class Certificate:
         content["nearest_false_safe_rad"] = content.pop("nearest")
         return content | {"text": list(self.text)}
 
-    @property
-    def bounded(self) -> tuple[str, ...]:
-        """The channels that a bound is for."""
-        return bounded(self.channels)
-
     def error_of(self, channel: str, relative: bool) -> float:
         """Return the largest error of a channel, or p99 where |SD_g| jumps.
 
@@ -84,7 +79,7 @@ class Certificate:
 
     def error(self, relative: bool) -> float:
         """Return what is compared with a bound."""
-        return max(self.error_of(channel, relative) for channel in self.bounded)
+        return max(self.error_of(channel, relative) for channel in bounded(self.channels))
 
     def refuse_false_safe(self, label: str) -> None:
         """Raise ExportError if a point is called safe where the robot tips."""

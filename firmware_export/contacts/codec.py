@@ -145,8 +145,9 @@ class Tables(AnyTables):
         """
         if self.many is None:
             return None
-        text = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}"
-        many = self.many.guarded(math.sin(guard), text)
+        text, sine = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}", math.sin(guard)
+        numbers = (*self.many.numbers[:-1], sine)
+        many = self.many._replace(guard=sine, text=text, numbers=numbers)
         return replace(self, many=many, guard=guard, guard_text=text)
 
     def cells(self, model: Model) -> Cells:

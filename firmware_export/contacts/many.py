@@ -106,10 +106,6 @@ class Many(NamedTuple):
     guard: float
     text: str
 
-    def guarded(self, guard: float, text: str) -> "Many":
-        """Return the same with another guard (sine), and a sentence about it."""
-        return self._replace(guard=guard, text=text, numbers=(*self.numbers[:-1], guard))
-
     def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
         """Return what the codec adds to positions, in the order of runtime/smap_pose.h."""
         singles = [*self.axis, *self.numbers, *self.more]
