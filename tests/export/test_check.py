@@ -139,7 +139,7 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name, fuzzer, tmp_path):
     blob = blob_of(name)
     rng = np.random.default_rng(2)
     cases = [blob.bytes]
-    for _ in range(part(20_000, 10)):
+    for _ in range(part(20_000, 20)):
         content = bytearray(blob.bytes)
         for at in rng.integers(4, len(content), rng.integers(1, 4)):
             content[at] = rng.integers(0, 256)

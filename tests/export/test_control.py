@@ -52,7 +52,7 @@ def swift():
 
 
 def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised():
-    count = part(3000, 8)
+    count = part(3000, 12)
     found = transits(paper(), count, inside=12)
     assert found.promised > count // 2
     assert (found.faults, found.below) == (0, 0)

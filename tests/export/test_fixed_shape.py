@@ -34,7 +34,7 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
         export = usable(model, arithmetic, codec)[0].export(model, "rigid", EXPORTABLE, arithmetic)
         package.write(export, tmp_path)
     # Many contacts take a compiler seconds.
-    for level in ("-Os",) if count > 3 else ("-O0", "-O3", "-Os"):
+    for level in ("-Os",) if count > 3 else ("-O3", "-Os"):
         words = [*STRICT, level, "-std=c99", "-ffp-contract=off", "-I."]
         compile_c([*words, "-c", "rigid.c", "-o", "rigid.o"], tmp_path)
 
