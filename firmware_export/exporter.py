@@ -137,40 +137,42 @@ def export(
     """
     tell = progress or log.debug
     check_directory(directory, force)
-    asked = ExportOptions(name, flash, max_error, channels, codec, arithmetic, allow_python, points)
-    final = certified(source, asked, tell)
+    options = ExportOptions(
+        name, flash, max_error, channels, codec, arithmetic, allow_python, points
+    )
+    final = certified(source, options, tell)
     tell("writing")
     return Report(write(final, directory, tell, force))
 
 
 def certified(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
-    asked: ExportOptions,
+    options: ExportOptions,
     tell: Callable[[str], None] = log.debug,
 ) -> Export:
     """Return the export of a source, chosen and certified, before it is written; see `export`."""
     load_library()  # what is certified with must be there before the minutes of a fit
-    recipe = _recipe(source, asked.allow_python)
-    label = check_name(asked.name) if asked.name is not None else default_name(recipe.name)
-    held = _channels(recipe, asked.channels)
-    flash, error = asked.flash, asked.max_error
+    recipe = _recipe(source, options.allow_python)
+    label = check_name(options.name) if options.name is not None else default_name(recipe.name)
+    held = _channels(recipe, options.channels)
+    flash, error = options.flash, options.max_error
     if flash is None and error is None:
         flash, error = recipe.export.flash, recipe.export.max_error
     size = None if flash is None else parse_size(flash)
     bound = None if error is None else parse_error(error)
     model = Model(recipe)
-    codecs = usable(model, asked.arithmetic, asked.codec)
+    codecs = usable(model, options.arithmetic, options.codec)
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
-    trials = Trials(model, label, held, asked.arithmetic)
+    trials = Trials(model, label, held, options.arithmetic)
     nothing = size is None and bound is None
     bound = KNEE if nothing else bound
     try:
-        chosen, certificate = _certified(trials, codecs, size, bound, asked.points, tell)
+        chosen, certificate = _certified(trials, codecs, size, bound, options.points, tell)
     except ExportError:
         if not nothing:
             raise
         bound = None
-        chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
+        chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(trials.bounded[0], relative=True),

@@ -39,7 +39,7 @@ MEASURES = (*OURS, *MARGINS)
 
 
 @dataclass(frozen=True)
-class ExportOptions:
+class Asked:
     """What is known of a posture: measures on level ground, and limits (rad) in all headings."""
 
     params: Floats
@@ -97,7 +97,7 @@ def outline(posture: Posture) -> Floats:
     return np.asarray(points[ConvexHull(points[:, :2]).vertices[::-1]])
 
 
-def asked(recipe: Recipe, params: Floats, headings: Floats) -> ExportOptions | None:
+def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
     """Return what is known of a posture, or None where it does not stand on level ground."""
     try:
         posture = Posture(recipe, params)
@@ -112,10 +112,10 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> ExportOptions | N
     limits = tilt_limits(recipe, params, headings, "body")
     polygon = polygon_limits(facet.points, headings)
     beside = polygon_limits(outline(posture), headings)
-    return ExportOptions(params, level, polygon, beside, np.asarray(limits))
+    return Asked(params, level, polygon, beside, np.asarray(limits))
 
 
-def misranked(found: list[ExportOptions], name: str) -> float:
+def misranked(found: list[Asked], name: str) -> float:
     """Return the share of pairs of postures that a measure ranks otherwise than their limits."""
     truth = np.array([one.ours.min() for one in found])
     value = np.array([one.level[name] for one in found]) * (-1.0 if name == "sdg" else 1.0)
@@ -130,7 +130,7 @@ def share(value: float) -> str:
     return "-" if math.isnan(value) else f"{100.0 * value:.1f} %"
 
 
-def verdicts(name: str, found: list[ExportOptions]) -> str:
+def verdicts(name: str, found: list[Asked]) -> str:
     """Return the row of verdicts: by how much a polygon promises more or less than there is."""
     cells = [name, str(len(found))]
     for kind in ("polygon", "outline"):
@@ -143,13 +143,13 @@ def verdicts(name: str, found: list[ExportOptions]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def rankings(name: str, found: list[ExportOptions]) -> str:
+def rankings(name: str, found: list[Asked]) -> str:
     """Return the row of rankings."""
     cells = [share(misranked(found, measure)) for measure in MEASURES]
     return f"| {' | '.join([name, *cells])} |"
 
 
-def write(path: Path, all_found: dict[str, tuple[Recipe, list[ExportOptions]]]) -> None:
+def write(path: Path, all_found: dict[str, tuple[Recipe, list[Asked]]]) -> None:
     """Write a row for each posture that stands on level ground."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
@@ -165,7 +165,7 @@ def write(path: Path, all_found: dict[str, tuple[Recipe, list[ExportOptions]]]) 
 def main() -> None:
     """Ask every robot, print the two tables, and write the measures if a file is named."""
     headings = even_headings(HEADINGS)
-    all_found: dict[str, tuple[Recipe, list[ExportOptions]]] = {}
+    all_found: dict[str, tuple[Recipe, list[Asked]]] = {}
     print("| robot | postures | support polygon: more | less | outline: more | less |")
     for name, recipe in robots():
         found = [one for row in drawn(recipe) if (one := asked(recipe, row, headings)) is not None]

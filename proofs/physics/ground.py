@@ -10,7 +10,7 @@ from collections import Counter
 
 import numpy as np
 
-from lutgen.analysis import Posture as ExportOptions
+from lutgen.analysis import Posture as Asked
 from lutgen.analysis import even_headings, ground_tilt
 from lutgen.channels import body_gravity
 from lutgen.recipe import Recipe
@@ -74,7 +74,7 @@ def promised(recipe: Recipe, params: Floats) -> tuple[float, Floats, Floats]:
 
     Then headings (rad), the worst one last, and the slopes (rad) at which it tips over in them.
     """
-    found = ground_tilt(ExportOptions(recipe, params))
+    found = ground_tilt(Asked(recipe, params))
     headings = np.append(HEADINGS, found.worst)
     return found.guaranteed, headings, found.limits(headings)
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lutgen.analysis import Posture as ExportOptions
+from lutgen.analysis import Posture as Asked
 from lutgen.analysis import holds, may_hold
 from proofs.physics.body import Floats, Posture, Solid
 from proofs.physics.release import Run
@@ -114,7 +114,7 @@ def slope(tangent: float, heading: float) -> Floats:
 
 def said(posture: Posture, mu: float, tangent: float, heading: float) -> str:
     """Return lutgen's verdict: "holds", "may hold", "rolls", or "" near a limit."""
-    asked = ExportOptions(posture.recipe(f"friction = {mu!r}"), np.zeros(0))
+    asked = Asked(posture.recipe(f"friction = {mu!r}"), np.zeros(0))
     near = np.array([slope(tangent * factor, heading) for factor in (1.0 / BAND, BAND)])
     sure, maybe = holds(asked, near), may_hold(asked, near)
     if sure[0] != sure[1] or maybe[0] != maybe[1]:

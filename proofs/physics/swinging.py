@@ -12,7 +12,7 @@ from collections import Counter
 
 import numpy as np
 
-from lutgen.analysis import Posture as ExportOptions
+from lutgen.analysis import Posture as Asked
 from lutgen.analysis import ground_tilt
 from proofs.physics.body import Posture, Solid, Swing
 from proofs.physics.release import STEEPEST, Run
@@ -73,7 +73,7 @@ def slope_at_roll(posture: Posture, heading: float, slowly_from: float) -> float
 def tried(name: str, rng: np.random.Generator) -> Counter[str]:
     """Tilt one tractor in one heading."""
     posture, heading = tractor(rng), float(rng.uniform(0.0, 2.0 * math.pi))
-    found = ground_tilt(ExportOptions(posture.recipe(), np.zeros(0)))
+    found = ground_tilt(Asked(posture.recipe(), np.zeros(0)))
     limit = float(found.limits(np.array([heading]))[0])
     slope = slope_at_roll(posture, heading, UNTIL * limit) - LATE
     free = not posture.solids[-1].braked

@@ -54,7 +54,7 @@ def test_ten_joints_or_fewer_stay_independent():
     report = imported()
     assert len(report["parameters"]) == 8
     assert (report["coupled"], report["because"]) == ({}, "")
-    # ExportOptions for, they are coupled as well.
+    # Asked for, they are coupled as well.
     assert [*imported("--couple", "auto")["coupled"]] == ["thigh", "knee"]
 
 
