@@ -149,3 +149,17 @@ def test_too_many_shapes_near_the_ground_are_refused_with_a_way_out() -> None:
     described = parse_urdf(robot(link("a", 1.0, "0 0 1", shapes)))
     with pytest.raises(RecipeError, match="name the links that touch the ground"):
         proposed_contacts(described, places(described, read_motion(described)))
+
+
+def test_links_within_a_quarter_of_the_coms_height_of_the_lowest_touch_the_ground() -> None:
+    # The com is 1 m above the lowest point.
+    heights = {"a": 0.0, "b": 0.0, "c": 0.0, "near": 0.24, "far": 0.26}
+    described = [link("base", 10.0, "0 0 0.9")]
+    for at, (name, height) in enumerate(heights.items()):
+        turn = 2.0 * math.pi * at / len(heights)
+        place = f"{math.cos(turn)!r} {math.sin(turn)!r} {height}"
+        described.append(link(name, inside=collision('sphere radius="0.1"')))
+        described.append(joint(f"{name}_j", "fixed", "base", name, xyz=place))
+    read = parse_urdf(robot(*described))
+    found = proposed_contacts(read, places(read, read_motion(read)))
+    assert {one.link for one in found} == {"a", "b", "c", "near"}
