@@ -24,6 +24,7 @@ PIP := $(BIN)/python -m pip install -qq
 INSTALL = $(or $(UV),$(BIN)/uv) pip install --quiet --python $(BIN)/python -e '.[$(1)]' || $(PIP) -e '.[$(1)]'
 EXTRAS := test,dev
 # A sweep uses all cores, an export mostly one: two at a time, unless make was told otherwise.
+# One figure goes first: it compiles what the others need.
 TWO := $(if $(filter -j%,$(MAKEFLAGS)),,$(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2)
 
 help: ## list the targets
@@ -32,7 +33,7 @@ help: ## list the targets
 venv: .venv/.installed ## create .venv and install everything in it
 
 maps: .venv/.installed ## build every map of maps/, its figures and its firmware export into build/maps
-	@$(MAKE) --no-print-directory $(TWO) $(FIGURES) $(EXPORTS)
+	@$(MAKE) --no-print-directory $(TWO) $(firstword $(FIGURES)) $(EXPORTS) $(FIGURES)
 	@$(if $(IMPORTED),,echo "absolem_urdf: skipped, there is no $(LUTGEN_ROBOTS)/absolem.urdf (LUTGEN_ROBOTS names the folder)")
 
 paper: .venv/.installed ## reproduce the paper: figures, tables and one page in build/paper

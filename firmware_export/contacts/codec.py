@@ -122,7 +122,8 @@ class Tables(AnyTables):
         macros = [("SMAP_MAX_ENTRIES", terms.entries), ("SMAP_MAX_COORDINATES", terms.width)]
         macros += [("SMAP_SERIES", 1)] * isinstance(terms, Series)
         if three is not None:
-            arrays = terms.arrays(three.code, three[1:4], ())
+            thresholds = (three.lowest, three.steepest, three.rest_width)
+            arrays = terms.arrays(three.code, thresholds, ())
             return CBody(POINTS, arrays, 3, tuple(macros), POSE, step)
         assert many is not None
         contacts, tracks = len(many.order), len(many.first) - 1
