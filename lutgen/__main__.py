@@ -20,16 +20,25 @@ import click  # noqa: E402
 
 from lutgen.cli import main  # noqa: E402
 
-if _heard:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
+    from types import FrameType
 
 __all__ = ["program"]
 
 # Seconds after which a dropped Ctrl-C comes again: by then the callback has ended.
 AGAIN = 0.05
+_interrupts: list[int] = []
+
+
+def _interrupt(number: int, frame: "FrameType | None") -> None:
+    """Raise KeyboardInterrupt, and keep that it was raised."""
+    _interrupts.append(number)
+    signal.default_int_handler(number, frame)
+
+
+if _heard:
+    signal.signal(signal.SIGINT, _interrupt)
 
 
 def program() -> NoReturn:
@@ -38,7 +47,9 @@ def program() -> NoReturn:
 
     def dropped(what: "UnraisableHookArgs") -> None:
         if not issubclass(what.exc_type, KeyboardInterrupt):
-            usual(what)
+            # An object that Ctrl-C left half made complains when it goes.
+            if not _interrupts:
+                usual(what)
             return
         later = threading.Timer(AGAIN, _thread.interrupt_main)
         later.daemon = True
