@@ -79,7 +79,8 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
     standing = channels["tip_angle"] >= 0.0
-    k, numbers = (_loaded_numbers if recipe.loaded else _numbers)(posture, g, standing)
+    numbers_of = _loaded_numbers if recipe.loaded else _numbers
+    k, numbers = numbers_of(posture, g, standing)
     tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
     angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None

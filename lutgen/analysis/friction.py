@@ -1,4 +1,4 @@
-"""What friction holds: where a robot slides, or rolls away, before it tips, or a load gets light.
+"""Limits before a robot tips: it slides, it rolls away, or a group of contacts carries too little.
 
 Sliding and the loads of groups count all contacts as braked, and never change the verdict on
 tipping.

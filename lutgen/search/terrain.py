@@ -118,9 +118,10 @@ def along(
     yaw = None if heading is None else np.array(heading, dtype=np.float64)
     if normal is not None:
         up = unit_directions(normal)
-        for at in np.flatnonzero(up[:, 2] < 0.0):
-            what = f"the ground's normal at point {at} points down"
-            reject("path", what, up[at].tolist(), "turn it round", InputError)
+        below = np.flatnonzero(up[:, 2] < 0.0)
+        if len(below):
+            what = f"the ground's normal at point {below[0]} points down"
+            reject("path", what, up[below[0]].tolist(), "turn it round", InputError)
     if normal is None or yaw is None:
         tangent = _tangents(points)
         travel = _directions(tangent)
@@ -162,10 +163,11 @@ def _tangents(position: Floats) -> Floats:
     inner = (step[1:] * chord[:-1] + step[:-1] * chord[1:]) / (step[1:] + step[:-1])
     slope = np.vstack([chord[:1], inner, chord[-1:]])
     length = np.linalg.norm(slope, axis=1)
-    for at in np.flatnonzero(length <= EQUAL):
-        what = f"it turns back on itself at point {at}, so it has no direction there"
+    still = np.flatnonzero(length <= EQUAL)
+    if len(still):
+        what = f"it turns back on itself at point {still[0]}, so it has no direction there"
         way_out = "give headings and the ground's normals"
-        reject("path", what, position[at].tolist(), way_out, InputError)
+        reject("path", what, position[still[0]].tolist(), way_out, InputError)
     return np.asarray(slope / length[:, None])
 
 

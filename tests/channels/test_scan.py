@@ -115,7 +115,7 @@ def test_rows_of_feet_and_of_wheels_with_gaps_equal_the_exact_channels_within_fl
         assert_equal_within_float32(got, exact(kind, chart, bounds))
         assert_one_verdict(got)
         tips.append((got["tip_angle"] < 0.0).mean())
-    # Neither verdict may be missing, or the comparison would say little.
+    # Both verdicts must occur, or the comparison would say little.
     assert 0.05 < np.mean(tips) < 0.99
 
 

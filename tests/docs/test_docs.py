@@ -159,7 +159,7 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
 
 def test_the_page_has_every_table_of_a_recipe_once_as_the_script_writes_it():
     marked = re.findall(r"^<!-- keys of (\S+) -->$", RECIPES, re.MULTILINE)
-    # What a joint of a `drive` may have is said in its row.
+    # The row of `drive` says which keys its joints may have.
     assert sorted([*marked, "Step"]) == sorted(TABLES)
     assert page(RECIPES) == RECIPES
     changed = RECIPES.replace("| `80.0` |", "| `90.0` |")

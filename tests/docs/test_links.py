@@ -1,4 +1,4 @@
-"""What documents and sources lead to and name is there."""
+"""Links and names of documents and sources lead to something."""
 
 import pkgutil
 import re

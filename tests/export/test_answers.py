@@ -73,7 +73,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name,
     assert not (safe & ~stands).any()
     assert not ((got["status"] == OK) & (truth["status"] == ROCKS)).any()
     short = truth["tip_angle"] - got["tip_angle"]
-    # Of the guard less than a third is used up, and rounding of whole numbers has one of its own.
+    # Less than a third of the guard is used up; whole numbers have a guard of their own.
     guard = robot.export.tables.guard
     assert short[safe].min() > guard * 2.0 / 3.0
     # Lost beside the guard: rounding, of whole numbers too, and more next to a gap.
@@ -108,7 +108,7 @@ def nearly_level(name):
 
 @pytest.mark.parametrize("name", ["articulated", "quadruped", "steered"])
 def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name):
-    # What sensors of a level robot say.
+    # Readings of the sensors of a level robot.
     recipe, params = nearly_level(name)
     g = random_directions(np.random.default_rng(5), len(params) * 40).reshape(-1, 40, 3)
     found = compared(Library(recipe), params, g.astype(np.float32))

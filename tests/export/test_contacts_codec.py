@@ -144,7 +144,7 @@ MOVED += [point("away", (-0.25, 0.2, 0.0), "arm")]
 def test_contacts_that_others_hide_in_every_posture_are_left_out(more, seen):
     recipe = track("".join(more))
     shown = {recipe.contacts[at].name for at in shown_contacts(Model(recipe))}
-    # Of two wheels on one axle the first.
+    # The first of two wheels on one axle.
     wheels = {f"wheel{k}{s}" for k in (0, 1) for s in (0, 1)}
     assert shown == wheels | {"flipper10", "flipper11"} | seen
 

@@ -40,8 +40,8 @@ def test_no_robot_is_told_more_than_the_definition_says(make, seed):
     assert (found.safe & found.stands).sum() > (0.0 if lying else 0.6) * found.stands.sum()
 
 
-# Of wheels and balls whose centres are nearly on one line the radii tell how the planes below them
-# lean, and that of their centres is no good begin: whole rests were not found.
+# Wheels and balls whose centres are nearly on one line: their radii tell how the planes below them
+# lean.  A search that began with the plane of the centres lost whole rests.
 IN_A_ROW = ((5003, 1.917837), (5161, -2.356194), (5225, 2.356194), (5577, -1.904113))
 # Coordinates with six digits: a foot is within rounding of one plane and not of the next, and of
 # what stood 12 to 46 % was called unsafe where facets of some feet hid that of all.

@@ -98,7 +98,7 @@ def test_a_folder_that_cannot_be_written_costs_time_and_nothing_else(house, tmp_
 
 # What marks a file whose bytes the cache's digest covers, see `lutgen.jit`.
 MARK = "lutgen.jit"
-# What a file with kernels imports for its plain Python alone.
+# Imports of a file with kernels that only its plain Python needs.
 PLAIN = {"TOLERANCE"}
 
 
