@@ -149,7 +149,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
 
 
 def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
-    """Return the same under a load, where none has an energy margin."""
+    """Return the same under a load, for which the energy margin is not defined."""
     region, wrench = posture.stance.region, posture.wrench
     axes, found = kernels.empty_axes(region), []
     kernels.find_axes(region, wrench, axes)
