@@ -180,7 +180,7 @@ class Force:
 
     @property
     def acts(self) -> bool:
-        """Whether it does anything at all."""
+        """True if it does anything at all."""
         return any(self.force) or any(self.moment)
 
 
