@@ -47,7 +47,7 @@ class Footing:
     gravity_dir: Floats
 
     def equilibrium(self) -> "Equilibrium":
-        """Return True if they hold it."""
+        """Return the balance of the weight on the feet."""
         return equilibrium(self.points, self.normals, self.friction, self.com, self.gravity_dir)
 
 
@@ -84,7 +84,7 @@ def equilibrium(
     com: ArrayLike,
     gravity_dir: ArrayLike = (0.0, 0.0, -1.0),
 ) -> Equilibrium:
-    """Return True if contacts on uneven ground can hold a weight.
+    """Return the balance of a weight on contacts on uneven ground.
 
     It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
     sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and of

@@ -1,4 +1,4 @@
-"""Find what may make a described robot less stable than it is told: mistakes, free joints.
+"""Find what may make a robot less stable than its description: mistakes, free joints.
 
 Axles that swing are joints about the way ahead that no motor holds and that carry two contacts.
 """
