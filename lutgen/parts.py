@@ -130,7 +130,7 @@ class Axle:
     """An axle that swings freely about a line, and the two contacts that it carries.
 
     `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`.  The
-    robot is described with the axle amid its swing, which `stops` (rad) end on either side.
+    robot is described with the axle in mid-swing, which `stops` (rad) end on either side.
     """
 
     name: str

@@ -32,7 +32,7 @@ class Axle(NamedTuple):
 
 
 def load_corners(points: Floats, pierced: Floats) -> Floats:
-    """Return the corners (c, k) of the set of all loads that balance and nowhere pull.
+    """Return the corners (c, k) of the set of all loads that balance and do not pull.
 
     A load is each contact's share of the normal force; it balances if it adds up to 1 and its
     centre is D_g.  The set is bounded and convex, so a share's least and largest value, and the
@@ -88,7 +88,7 @@ def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
         # The smallest that balances, pulling allowed.
         wanted = np.array([1.0, *np.zeros(len(balance) - 1)])
         return np.asarray(np.linalg.lstsq(balance, wanted, rcond=None)[0])
-    # No load rests on the others: without them D_g is amid those that can carry.
+    # No load rests on the others: without them D_g is between those that can carry.
     able, shares = corners.any(axis=0), np.zeros(len(points))
     carried = np.empty(int(able.sum()))
     smallest_shares(np.ascontiguousarray(balance[1:, able].T), carried)

@@ -142,7 +142,7 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     virtual power friction forces balance gravity, a unit vector (3,), if and only if no motion
     gains more than it costs.
 
-    ``"every"`` load that balances and nowhere pulls has at least this share (least at one of
+    ``"every"`` load that balances and does not pull has at least this share (least at one of
     `load_corners`), ``"some"`` has it.  Over a gap, where no load balances, both are of the
     `normal_forces` that push.  1 without a rolling contact among the facet's, and on level ground.
     """

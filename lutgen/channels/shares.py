@@ -1,7 +1,7 @@
 """How contacts share the weight, and the least share of a contact or of a group of them.
 
 Statics leaves the shares open on more than three contacts.  Those of the least sum of squares
-are taken among all that balance and nowhere pull: what equal springs under a rigid body carry, by
+are taken among all that balance and do not pull: what equal springs under a rigid body carry, by
 Castigliano's theorem of least work.
 """
 
