@@ -47,13 +47,13 @@ class Footing:
     gravity_dir: Floats
 
     def equilibrium(self) -> "Equilibrium":
-        """Tell whether they hold it."""
+        """Return the balance of the weight on the feet."""
         return equilibrium(self.points, self.normals, self.friction, self.com, self.gravity_dir)
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Whether a weight on contacts is in balance, and where else it would be.
+    """Balance of a weight on contacts, and where else the weight may be.
 
     `holds` is None where pyramids of 256 sides inside and outside the cones do not agree: friction
     is within 1e-4 of what is just enough.  `forces` (n, 3) are one admissible set as shares of the
@@ -84,7 +84,7 @@ def equilibrium(
     com: ArrayLike,
     gravity_dir: ArrayLike = (0.0, 0.0, -1.0),
 ) -> Equilibrium:
-    """Tell whether contacts on uneven ground can hold a weight.
+    """Return the balance of a weight on contacts on uneven ground.
 
     It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
     sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and of
@@ -175,7 +175,7 @@ def _level_frame(down: Floats) -> Floats:
 def _verdict(
     scene: tuple[Floats, Floats, Floats], com: Floats
 ) -> tuple[bool | None, Floats | None]:
-    """Tell whether a com (2,) holds, and with which forces (n, 3).
+    """Return True and the forces (n, 3) if a com (2,) holds; False or None (undecided) if not.
 
     Pyramids inside the cones say yes, those around them no.
     """
@@ -194,14 +194,14 @@ class Foot(Table):
 
     name: Text | None = key("A name of its own.", "left", None)
     position: Place = key("Where it touches the ground.", [0.2, 0.1, 0])
-    normal: Direction | None = key("Of the ground, upwards; else against gravity.", [0, 0, 1], None)
+    normal: Direction | None = key("The ground's, upwards; else against gravity.", [0, 0, 1], None)
     friction: NotNegative | None = key("Its coefficient, if not that of all.", 0.5, None)
 
 
 class Feet(Table):
     """Contents of a file of `lutgen stance`."""
 
-    title: Text | None = key("What figures call it, if not the file's name.", "stair", None)
+    title: Text | None = key("Its name in figures, if not the file's.", "stair", None)
     length_unit: LengthUnit = key("The unit of all lengths.", "m", "m")
     com: Place = key("The centre of mass.", [0, 0, 0.5])
     gravity: Direction = key("Gravity, pointing down.", [0, 0, -1], DOWN)

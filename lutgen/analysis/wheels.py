@@ -33,7 +33,7 @@ class Structure:
 
     Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     `dof` is 3 - rank of the constraints of the fixed wheels: every motion that some setting of
-    the steered wheels allows.  `steered` tells whether a steered wheel touches.  `mobility` and
+    the steered wheels allows.  `steered` is True if a steered wheel touches.  `mobility` and
     `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
     and Automation 12(1), 1996): motions without turning a steered wheel, and how many steered
     wheels can be turned independently; they add up to `dof`.  `touching` are wheels' contacts.
@@ -55,7 +55,7 @@ class Structure:
 class WheelMotion:
     """Motion of one wheel: `speed` in rad/s, `steering` in rad, `slip` in length/s.
 
-    `contact` names the wheel.  Of a wheel that hovers all three are None.  `speed` is positive
+    `contact` names the wheel.  All three are None for a wheel that hovers.  `speed` is positive
     about the axle, the right-hand way.  `steering`, None unless the wheel is steered, is the
     angle about the ground's normal, anticlockwise seen from above, from how the recipe places the
     axle, in (-pi/2, pi/2].  `slip` is the velocity to the left of the rolling direction at which
@@ -73,10 +73,10 @@ class WheelMotion:
 class Motion:
     """Wheel speeds for one motion of the centre of mass; lengths in the recipe's unit.
 
-    `velocity` (2,) and `yaw_rate` are those asked for.  `slip` is the root of the sum of squares
+    `velocity` (2,) and `yaw_rate` are those requested.  `slip` is the root of the sum of squares
     of the wheels' slips: no choice of speeds and steering angles makes it smaller, and the motion
     is `possible` where it vanishes.  `nearest_velocity` (2,) and `nearest_yaw_rate` are the motion
-    without slip that differs least from the one asked for: least sum of squares, yaw rates times
+    without slip that differs least from the requested one: least sum of squares, yaw rates times
     the distance from the com to the farthest corner of the support polygon.
     """
 

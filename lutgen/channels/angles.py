@@ -7,7 +7,7 @@ from lutgen.support import ACCEPTED, ARCS, CONVEX, Region
 from lutgen.vector import Vector, dot, read3
 
 # A direction just outside the region gets this where its distance rounds to zero, so that the
-# sign alone always tells the verdict, in float32 too.
+# sign alone is always the verdict, in float32 too.
 JUST_OUTSIDE = -1e-30
 
 

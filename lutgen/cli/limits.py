@@ -25,7 +25,7 @@ class Options(RecipeOptions, FigureOptions):
     convention: str = given.convention(
         "plane",
         "body",
-        "Whether body tilt counts from level ground under it, or from a level body.",
+        "Count body tilt from level ground under it, or from a level body.",
     )
     least_share: tuple[tuple[str, float], ...] = option(
         type=given.Numbers("NAME=SHARE", "share", "for example front=0.2"),
@@ -40,8 +40,8 @@ def limits(recipe: str, options: Options) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
     With its shape kept: nose down, left side down, nose up, right side down and in its worst
-    heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
-    slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
+    heading.  Body tilt is the robot's own, as an accelerometer in it reads it; ground tilt is the
+    slope of the ground, on which it may rock from rest to rest.  A guarantee holds in every
     heading, also between those listed (of the ground: where it has not been steeper before), and
     all limits are rounded down.  Exit code 3 where it tips over on level ground.
 
@@ -59,7 +59,7 @@ def limits(recipe: str, options: Options) -> None:
         grid = robot.grid
         around = analysis.even_headings(options.headings * -(-FIGURE // options.headings))
         # Before a row of parameters is made for each.
-        way_out = "sweep fewer samples, or ask fewer headings"
+        way_out = "sweep fewer samples, or fewer headings"
         bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
         rows = grid.params(range(grid.size))
         swept = analysis.sweep_limits(robot, rows, around, options.convention)

@@ -51,9 +51,9 @@ class Options(RecipeOptions):
     ends: str = option(
         type=click.Choice(["left", "right"]),
         default="left",
-        help="Of search: which end of each of its 5 cells is a node.",
+        help="Which end of each of the 5 cells of search is a node.",
     )
-    seed: int = option(type=given.Number(int, 0), default=0, help="Of multistart.")
+    seed: int = option(type=given.Number(int, 0), default=0, help="Seed of multistart.")
     trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 
@@ -111,7 +111,7 @@ def optimum(recipe: str, options: Options) -> None:
 def space_of(
     robot: "robots.Recipe", kept: Mapping[str, float], options: Options
 ) -> tuple[list[Any], list[float] | None]:
-    """Return the bounds (rad, length) of all parameters, and where the search begins, if told.
+    """Return the bounds (rad, length) of all parameters, and where the search begins, if given.
 
     Bounds of a kept parameter are equal; where nothing is said of one it begins in the middle.
     """

@@ -168,8 +168,8 @@ parameters = functools.partial(
     "-p",
     "--parameter",
     type=Numbers(*VALUE),
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  What is "
-    "left out is at the recipe's `home`, then in the middle of its range.",
+    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
+    "is left out is at the recipe's `home`, then in the middle of its range.",
 )
 values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
@@ -181,8 +181,7 @@ output = functools.partial(option, "-o", type=Named())
 def convention(
     default: str = "body",
     other: str = "plane",
-    help: str = "Whether gravity is fixed in the body, or relative to the plane that the robot "
-    "stands on.",
+    help: str = "Gravity is fixed in the body, or relative to the plane that the robot stands on.",
 ) -> Any:
     """Return the option that says to what gravity is fixed; the help lists the default first."""
     return option(type=click.Choice((default, other)), default=default, help=help)
@@ -203,7 +202,7 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
+        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: one column, 89 wide]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
     style: str = option(

@@ -16,7 +16,7 @@ from lutgen.quantities import QUANTITIES
 
 # Exit code of a question whose answer is no.
 NO = 1
-# Exit code of a verdict that a robot tips over, or that nobody can tell; of every command that has
+# Exit code of a verdict that a robot tips over, or that it is unknown; of every command that has
 # one (docs/guide/commands.md).
 TIPS = 3
 # The words of a verdict, by the status of a report.
@@ -50,7 +50,7 @@ def degrees(value: Any) -> Any:
 
 
 def entries(value: Any, names: str) -> dict[str, Any]:
-    """Return attributes of a value under their names, or under KEY where ``KEY=NAME`` is asked.
+    """Return attributes of a value under their names, or under KEY for ``KEY=NAME``.
 
     A key that ends in ``_deg`` or ``_deg_s`` is for an angle (rad) whose name lacks that ending.
     """
@@ -121,7 +121,7 @@ def unit_text(unit: str) -> str:
 
 
 def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
-    """Return a number as text, a dash where there is none.
+    """Return a number as text, or a dash.
 
     A remainder of rounding is zero, and zero has no sign.
     """

@@ -30,7 +30,7 @@ class PlotOptions(given.RecipeOptions, given.FigureOptions):
     scale: tuple[float, float] | None = given.option(
         nargs=2,
         type=float,
-        help="What the colours span at least, in the unit shown, so that figures compare.",
+        help="Least span of the colours, in the unit shown, so that figures compare.",
     )
 
 
@@ -97,7 +97,7 @@ def explore(source: str, options: ExploreOptions) -> None:
 
     SOURCE is a recipe, a map or a folder of `lutgen export`.  The page is offline, and shows the
     robot in 3-D on its ground, the directions of gravity in which it stands, and a map over two
-    joints.  What it answers is the exported C, compiled to WebAssembly. Without a folder the
+    joints.  Its answers are those of the exported C, compiled to WebAssembly. Without a folder the
     tables are of the codec contacts.
 
     \b

@@ -38,7 +38,7 @@ class Options(RunOptions):
     )
     points: int | None = option(
         type=given.Number(int, 2, bounds.POINTS.most),
-        help=f"Of the paper's path.  [default: {POINTS}]",
+        help=f"Points of the paper's path.  [default: {POINTS}]",
     )
     turn: float = option(
         default=0.0,
@@ -48,10 +48,10 @@ class Options(RunOptions):
     lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
-        default="sdg", help="What control makes best: a channel, or a sum such as sdg+0.1*height."
+        default="sdg", help="The best of it is chosen: a channel, or a sum such as sdg+0.1*height."
     )
     convention: str = given.convention(
-        "plane", "body", "Whether the path gives the attitude of the ground or that of the body."
+        "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
     rates: tuple[tuple[str, float], ...] = given.values(
         "--rate",
@@ -108,7 +108,7 @@ def save_run(
     columns: Mapping[str, Any],
     options: RunOptions,
 ) -> None:
-    """Write the table, the figure and the film that were asked for."""
+    """Write the table, the figure and the film that were requested."""
     output.save_columns(columns, options.output, options.force)
     output.save_figure(lambda plot: plot.draw_path(robot, runs), options.plot, options)
     if options.animate is not None:

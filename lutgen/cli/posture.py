@@ -25,7 +25,7 @@ class MetricsOptions(RecipeOptions):
     tilt: float = option(
         type=given.Number(float, 0.0, 180.0),
         default=20.0,
-        help="Of the ground in deg, for the metrics over all headings.",
+        help="Tilt of the ground in deg, for the metrics over all headings.",
     )
     headings: int = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
@@ -107,7 +107,7 @@ class WheelsOptions(RecipeOptions):
     velocity: tuple[float, float] = option(
         type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
-        help="Of the centre of mass, forward and to the left, in length units per second.",
+        help="Velocity of the centre of mass, forward and to the left, length units per second.",
     )
     yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
     assignments: tuple[tuple[str, float], ...] = given.parameters()
@@ -184,11 +184,11 @@ class StanceOptions(FigureOptions):
 
 @command("file", StanceOptions)
 def stance(file: str, options: StanceOptions) -> None:
-    """Print whether feet on uneven ground hold a weight.
+    """Print if feet on uneven ground hold a weight.
 
     FILE (TOML) describes them and the centre of mass.  Each foot has a place, a normal and a
     friction coefficient of its own.  Exit code 3 where no forces within the friction cones carry
-    the weight, or where that cannot be told.
+    the weight, or if that is unknown.
 
     \b
     $ lutgen stance stair.toml -g 0.1,0,-1

@@ -162,7 +162,7 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
         rows.append([f"com {axis}", *known])
     yield from output.aligned(rows)
     if report["com_open"]:
-        yield "what is not determined moves as little as the readings need: level scales tell no"
+        yield "what is not determined moves as little as the readings need: level scales give no"
         yield "height; weigh on a slope of 10 deg as well, or give --tilt"
     rows = [["reading", "value", "residual"]]
     for one in report["readings"]:

@@ -106,7 +106,7 @@ def sweep(
                 finished += (block.last - block.first) * layout.shape[-1]
                 if progress is not None:
                     progress(finished, layout.nodes)
-            # It may be hours since that was asked.
+            # It may be hours since that was checked.
             check_target(target, force)
             file.finish(target)
     except OSError as error:
@@ -162,7 +162,7 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     """
     todo = np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
-    # A robot given by code is asked by one thread, as its author expects.
+    # A robot given by code is called by one thread, as its author expects.
     enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
     own = threading.local()

@@ -107,7 +107,7 @@ class Entry:
 
     @property
     def searching(self) -> bool:
-        """Whether the entry is one of the searching algorithm."""
+        """True if the entry is one of the searching algorithm."""
         return self.method.startswith("searching")
 
 

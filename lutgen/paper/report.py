@@ -37,9 +37,9 @@ def write_report(
     directory : path
         Made if it is not there.
     progress : callable
-        Is told what is being done.
+        Called with a text before each step.
     force : bool
-        Whether files that lutgen did not make may be replaced.
+        True if files that lutgen did not make may be replaced.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from lutgen.paper.model import CONTROLLED, UNCONTROLLED
 from lutgen.paper.simulations import HEADINGS, Results
 from lutgen.search import Drive
 
-# The paper's T_g first; P and F are how the two readings are often told apart.
+# The paper's T_g first; P and F are common names of the two readings.
 LETTERS = {"plane": "P", "body": "F"}
 METHODS = {
     "map": "stability map",
@@ -198,7 +198,7 @@ def fig16_17_path(results: Results) -> Table:
 
 
 def _at(run: Drive, i: int) -> list[object]:
-    """Return shape, heading, tip-over angle (deg) and whether the robot tips at point i."""
+    """Return shape, heading, tip-over angle (deg) and True if the robot tips at point i."""
     angles = np.degrees([*run.params[i], run.heading[i], run.channels["tip_angle"][i]])
     return [*angles.tolist(), bool(run.tips[i])]
 

@@ -1,4 +1,4 @@
-"""The kinds of figures, what may be asked of them, and one entry for all.
+"""The kinds of figures, their options, and one entry for all.
 
 Every wrong option is refused in one sentence that names the way out.
 """
@@ -31,10 +31,10 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 class Kind(NamedTuple):
-    """A kind of figure: how it is drawn, and what may be asked of it.
+    """A kind of figure: how it is drawn, and its options.
 
-    `varies` is the number of parameters along its axes; `of_robot` tells whether it needs the
-    robot itself, and not a map of code that is not run; `turns` whether it turns gravity itself.
+    `varies` is the number of parameters along its axes; `of_robot` is True if it needs
+    the robot itself, and not a map of code that is not run; `turns` if it turns gravity itself.
     """
 
     paint: Callable[[View], Figure]
@@ -91,7 +91,7 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.
     convention : {"body", "plane"}
-        Whether gravity is fixed in the body frame, or relative to the contact plane (T_g, see
+        Gravity is fixed in the body frame, or relative to the contact plane (T_g, see
         `lutgen.channels.resting`): for recipes only, and not for `sphere` and `polar`.
     scale : (2,) of float, optional
         Least span of the colours, in the unit that is shown: figures of one scale can be

@@ -1,4 +1,4 @@
-"""Sheet: how wide a figure is and in which style it is drawn, if somebody asks."""
+"""Sheet: how wide a figure is and in which style it is drawn, if that is given."""
 
 import re
 from collections.abc import Iterator

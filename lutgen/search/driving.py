@@ -24,7 +24,7 @@ DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
 # No value is within this limit, so that a search does not look for acceptable ranges.
 NO_LIMIT = math.nan
 # Headings are equally good within this cost, which has rounding errors where the robot tips (the
-# cost is then around 1e9): a robot that looks the same from several sides shall not turn.
+# cost is then around 1e9): a robot that looks the same from several sides does not turn.
 EQUAL, ROUNDING = 1e-9, 1e-15
 
 
@@ -33,7 +33,7 @@ class Drive:
     """One run along a path of p points.
 
     `path` is as given, the robot in its own heading.  `params` (p, k) is the geometry at each
-    point, rad or length, and `wanted` (p, k) the one that control asked for; another one only where
+    point, rad or length, and `wanted` (p, k) the one that control requested; another one only where
     rates are limited.  `turn` (p,) is by how much the robot is turned against the path's heading,
     to the left, and `heading` (p,) its yaw in the world, rad.  `gravity_body` (p, 3) are unit
     vectors, down, in the body frame, in the attitude that the robot takes.  `channels` are sdg,

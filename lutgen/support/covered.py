@@ -22,7 +22,7 @@ ONE_AXIS = 1e-5
 
 @njit(bare=True)
 def lies_within(primitives: Floats, i: int, j: int, part: float, size: float) -> bool:
-    """Tell whether primitive i lies within j, a ball, a round plate or a point.
+    """Return True if primitive i lies within j, a ball, a round plate or a point.
 
     But for a `part` of the radius of j, or of POINT_WHEEL of the size (length) if j is a point.
     """

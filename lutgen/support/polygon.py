@@ -111,7 +111,7 @@ def corners_of(primitives: Floats, mask: int, normal: Vector, slack: float, regi
 
 @njit(inline=True, bare=True)
 def has_bit(mask: int, i: int) -> bool:
-    """Tell whether bit i of a mask is set."""
+    """Return True if bit i of a mask is set."""
     return (mask >> i) & 1 == 1
 
 

@@ -29,7 +29,7 @@ ONE_REST = 2e-4
 def _is_accepted(
     primitives: Floats, region: Region, f: int, accept: Acceptance, same: float
 ) -> bool:
-    """Tell whether the com is above a facet, it faces down, and no wheel lies on its face there."""
+    """Return True if a facet faces down below the com, and no wheel lies on its face there."""
     facet = region.facet[f]
     normal = read3(facet.normal)
     if not (facet.height > max(accept.least_height, same) and -normal[2] > accept.steepest):
