@@ -36,14 +36,13 @@ class Structure:
     the steered wheels allows.  `steered` tells whether a steered wheel touches.  `mobility` and
     `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
     and Automation 12(1), 1996): motions without turning a steered wheel, and how many steered
-    wheels can be turned independently; they add up to `dof`.  `touching` are wheels' contacts.
+    wheels can be turned independently; they add up to `dof`.
     """
 
     dof: int
     steered: bool
     mobility: int
     steerability: int
-    touching: tuple[str, ...]
 
     @property
     def category(self) -> str:
@@ -266,8 +265,7 @@ def _free_motions(ground: _Ground) -> tuple[float, Floats]:
 
 def _structure(ground: _Ground) -> Structure:
     """Return the structure of a robot on the ground."""
-    contacts = [contact for contact in ground.contacts if contact is not None]
-    steered = [contact for contact in contacts if contact.wheel.steered]
+    steered = [one for one in ground.contacts if one is not None and one.wheel.steered]
     _, basis = _free_motions(ground)
     dof, turning = basis.shape[1], 0
     for contact in steered if dof > 1 else ():
@@ -278,5 +276,4 @@ def _structure(ground: _Ground) -> Structure:
         turning += int(spread[1] > TOLERANCE * spread[0])
     # Two wheels' axles fix the centre of turning: further ones must follow.
     steerability = min(turning, max(dof - 1, 0))
-    touching = tuple(contact.wheel.contact for contact in contacts)
-    return Structure(dof, bool(steered), dof - steerability, steerability, touching)
+    return Structure(dof, bool(steered), dof - steerability, steerability)
