@@ -120,14 +120,17 @@ def command(
 ) -> Callable[[Callable[..., None]], click.Command]:
     """Return a decorator that makes a command of a function of a source and of options.
 
-    Its help begins with the example, which ends its docstring; in the list of commands it has the
-    first line.  The options come in the order of the fields, those that are inherited last.
+    A source called recipe is opened.  Its help begins with the example, which ends its docstring;
+    in the list of commands it has the first line.  The options come in the order of the fields,
+    those that are inherited last.
     """
     argument = click.Argument([source], type=Named()) if isinstance(source, str) else source
 
     def decorate(run: Callable[..., None]) -> click.Command:
         def callback(**given: Any) -> None:
-            first = [] if argument is None else [given.pop(str(argument.name))]
+            first: list[Any] = [] if argument is None else [given.pop(str(argument.name))]
+            if source == "recipe":
+                first = [open_recipe(first[0], given["allow_python"])]
             run(*first, options(**given))
 
         parameters: list[click.Parameter] = [] if argument is None else [argument]

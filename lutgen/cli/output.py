@@ -39,11 +39,6 @@ def show(
         click.get_current_context().exit(code)
 
 
-def silent(report: dict[str, Any]) -> Iterable[str]:
-    """Return no lines: in words the file that was made is all that there is to say."""
-    return ()
-
-
 def degrees(value: Any) -> Any:
     """Return angles (rad) in deg."""
     return None if value is None else to_display(value, "deg")

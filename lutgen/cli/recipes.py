@@ -13,7 +13,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import Axis, analysis, maps, np, proposals, robots
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.options import RecipeOptions, command, log, option
 from lutgen.cli.output import aligned, by_unit, entries, file_size, posture_text, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
@@ -140,7 +140,7 @@ def schema(options: SchemaOptions) -> None:
 
 
 @command("recipe", RecipeOptions)
-def check(recipe: str, options: RecipeOptions) -> None:
+def check(robot: "robots.Recipe", options: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
 
     A warning says where it does not stand on its contacts at its `home`, and what looks like a
@@ -150,7 +150,6 @@ def check(recipe: str, options: RecipeOptions) -> None:
     $ lutgen check maps/paper_two.toml
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
-    robot = open_recipe(recipe, options.allow_python)
     maps.require_standing(robot)
     warnings = [*proposals.recipe_doubts(robot), *home_warnings(robot)]
     for warning in warnings:

@@ -10,9 +10,9 @@ from typing import Any
 import click
 
 from lutgen.cli import options as given
-from lutgen.cli.lazy import maps
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
-from lutgen.cli.output import cell, entries, file_size, show, silent
+from lutgen.cli.lazy import maps, robots
+from lutgen.cli.options import RecipeOptions, command, log, option
+from lutgen.cli.output import cell, entries, file_size, show
 from lutgen.cli.recipes import axis_entry, grid_lines
 from lutgen.errors import MapFileError
 from lutgen.quantities import QUANTITIES
@@ -40,7 +40,7 @@ class InfoOptions:
 
 
 @command("recipe", SweepOptions)
-def sweep(recipe: str, options: SweepOptions) -> None:
+def sweep(robot: "robots.Recipe", options: SweepOptions) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
@@ -49,7 +49,6 @@ def sweep(recipe: str, options: SweepOptions) -> None:
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
-    robot = open_recipe(recipe, options.allow_python)
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
@@ -92,7 +91,7 @@ def sweep(recipe: str, options: SweepOptions) -> None:
         "bytes": size,
         "seconds": round(seconds, 3),
     }
-    show(report, silent, options.as_json)
+    show(report, lambda _: (), options.as_json)
 
 
 MAP = click.Argument(["map_file"], metavar="MAP.h5", type=given.Named())
