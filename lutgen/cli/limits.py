@@ -84,7 +84,7 @@ def limits(robot: "robots.Recipe", options: Options) -> None:
             }
             for i in range(0, len(around), len(around) // options.headings)
         ]
-    output.show(report, limits_lines, options.as_json, 0 if found.stands else output.TIPS)
+    output.show(report, limits_lines, 0 if found.stands else output.TIPS)
 
 
 def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> dict[str, Any]:

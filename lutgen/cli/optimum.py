@@ -104,7 +104,7 @@ def optimum(robot: "robots.Recipe", options: Options) -> None:
     }
     if options.trace:
         report["trace"] = trace
-    show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
+    show(report, optimum_lines, 0 if found.standing else TIPS)
 
 
 def space_of(

@@ -70,7 +70,7 @@ def plot(source: str, options: PlotOptions) -> None:
         "figure": options.output,
         "bytes": Path(options.output).stat().st_size,
     }
-    show(report, lambda _: (), options.as_json)
+    show(report, lambda _: ())
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,6 @@ class PaperOptions:
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )
     force: bool = given.force()
-    as_json: bool = given.as_json()
 
 
 @given.command("source", ExploreOptions)
@@ -121,7 +120,7 @@ def explore(source: str, options: ExploreOptions) -> None:
         "bytes": Path(options.output).stat().st_size,
         "answers": answers.about,
     }
-    show(report, lambda _: (), options.as_json)
+    show(report, lambda _: ())
 
 
 @given.command(None, PaperOptions)
@@ -139,4 +138,4 @@ def paper(options: PaperOptions) -> None:
 
     page = str(write_report(options.output, lambda what: given.log.info("%s", what), options.force))
     report = {"folder": options.output, "page": page}
-    show(report, lambda report: [report["page"]], options.as_json)
+    show(report, lambda report: [report["page"]])

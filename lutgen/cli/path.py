@@ -91,7 +91,7 @@ def path(robot: "robots.Recipe", options: Options) -> None:
         "runs": [run_entry(robot, name, run) for name, run in runs.items()],
     }
     code = output.TIPS if runs[last].tips.any() else 0
-    output.show(report, path_lines, options.as_json, code)
+    output.show(report, path_lines, code)
 
 
 def check_run(options: RunOptions) -> None:

@@ -73,7 +73,7 @@ def metrics(robot: "robots.Recipe", options: MetricsOptions) -> None:
         ],
         **output.posture_entries(robot, posture.params, options.assignments),
     }
-    output.show(report, metrics_lines, options.as_json)
+    output.show(report, metrics_lines)
 
 
 def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -142,7 +142,7 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
         **output.posture_entries(robot, posture.params, options.assignments),
     }
     code = output.TIPS if not motion.standing else 0 if motion.possible else output.NO
-    output.show(report, motion_lines, options.as_json, code)
+    output.show(report, motion_lines, code)
 
 
 def motion_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -177,7 +177,6 @@ class StanceOptions(FigureOptions):
         help="Gravity in the frame of the file, pointing down; instead of the file's.",
     )
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
-    as_json: bool = given.as_json()
 
 
 @command("file", StanceOptions)
@@ -203,7 +202,7 @@ def stance(file: str, options: StanceOptions) -> None:
         **output.entries(found, "holds margin axes region region_is_open=is_open"),
         "feet": [*feet(footing, found)],
     }
-    output.show(report, stance_lines, options.as_json, 0 if found.holds else output.TIPS)
+    output.show(report, stance_lines, 0 if found.holds else output.TIPS)
 
 
 def feet(footing: "analysis.Footing", found: "analysis.Equilibrium") -> Iterator[dict[str, Any]]:

@@ -36,7 +36,6 @@ class SweepOptions(RecipeOptions):
 class InfoOptions:
     verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
     unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
-    as_json: bool = given.as_json()
 
 
 @command("recipe", SweepOptions)
@@ -91,7 +90,7 @@ def sweep(robot: "robots.Recipe", options: SweepOptions) -> None:
         "bytes": size,
         "seconds": round(seconds, 3),
     }
-    show(report, lambda _: (), options.as_json)
+    show(report, lambda _: ())
 
 
 MAP = click.Argument(["map_file"], metavar="MAP.h5", type=given.Named())
@@ -129,7 +128,7 @@ def info(map_file: str, options: InfoOptions) -> None:
         "recipe_sha256": str(attributes["recipe_sha256"]),
         **({"verified": True} if options.verify else {}),
     }
-    show(report, info_lines, options.as_json)
+    show(report, info_lines)
 
 
 def channel_entry(stability_map: "maps.StabilityMap", name: str) -> dict[str, Any]:

@@ -73,7 +73,7 @@ def weigh(robot: "robots.Recipe", options: Options) -> None:
         "next": advice,
         "keys": analysis.correction(robot, found),
     }
-    output.show(report, weigh_lines, options.as_json)
+    output.show(report, weigh_lines)
 
 
 def scale_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Weighing]":

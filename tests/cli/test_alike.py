@@ -88,6 +88,8 @@ ANSWERS = """
   title length_unit gravity com holds margin axes region region_is_open feet
 0 | optimum r.toml --method map
   robot length_unit method objective convention standing value evaluations parameters last
+3 | optimum r.toml -g 0,5,-1
+  robot length_unit method objective convention standing value evaluations parameters last
 3 | path r.toml --points 3
   robot length_unit terrain method objective convention lag points length ground_tilt_deg path runs
 0 | budget r.toml

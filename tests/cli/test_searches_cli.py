@@ -69,19 +69,6 @@ def test_start_seed_and_ends_reach_the_methods():
     assert right["parameters"]["alpha"]["value_deg"] in [pytest.approx(x) for x in (33, 23)]
 
 
-def test_where_nothing_stands_the_least_bad_geometry_is_printed_and_the_exit_code_is_3():
-    report = best(RECIPE, "-g", "0,0,1", code=3)
-    assert report["standing"] is False
-    assert report["value"] is None
-    for entry in report["parameters"].values():
-        assert entry["value_deg"] is not None
-        assert entry["delta_deg"] is None
-        assert entry["acceptable_deg"] == [None, None]
-    result = optimum(RECIPE, "-g", "0,0,1")
-    assert result.exit_code == 3
-    assert "tips over in every geometry tried, least in this one" in result.stdout
-
-
 def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(caplog):
     report = best(RECIPE, "--method", "map", "--limit", 1e-6)
     assert report["standing"] is True

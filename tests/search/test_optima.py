@@ -98,12 +98,6 @@ def test_a_robot_that_cannot_tip_is_as_good_as_can_be():
 LEVEL = [0.0, 0.0, -1.0]
 
 
-@pytest.fixture(scope="module")
-def one():
-    """Return the paper's robot with one moving wheel."""
-    return lutgen.load_recipe(MAPS / "paper_one.toml")
-
-
 def test_the_map_method_keeps_to_the_nodes_within_the_bounds(two):
     found = lutgen.optimum(two, LEVEL, "map", bounds=np.radians([[35.0, 50.0], [0.0, 20.0]]))
     knots = np.degrees(two.grid.axes[0].knots)
