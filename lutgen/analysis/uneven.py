@@ -107,14 +107,12 @@ def equilibrium(
     arrays = [np.asarray(one, np.float64) for one in (points, normals, friction, com, gravity_dir)]
     places, outward, mu, middle, down = arrays
     n, shapes = len(np.atleast_1d(places)), [one.shape for one in arrays]
-    known = all((np.abs(one) < LARGEST).all() for one in arrays)
-    known &= bool(((mu >= 0.0) & (mu <= ROUGHEST)).all())
-    if shapes not in ([(n, 3), (n, 3), one, (3,), (3,)] for one in ((), (n,))) or not (n and known):
+    right = n > 0 and shapes == [(n, 3), (n, 3), mu.shape, (3,), (3,)] and mu.shape in ((), (n,))
+    finite = all((np.abs(one) < LARGEST).all() for one in arrays)
+    if not (right and finite and ((mu >= 0.0) & (mu <= ROUGHEST)).all()):
         what = f"a contact and a com need x, y, z, and each a friction from 0 to {ROUGHEST:g}"
         got = f"the shapes {shapes} and friction {mu.tolist()}"
-        reject(
-            "footing", what, got, "give finite numbers, as the file of a footing has", InputError
-        )
+        reject("footing", what, got, "give finite numbers as a file of feet has them", InputError)
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
     origin = places.mean(axis=0)
