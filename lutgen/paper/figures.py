@@ -6,7 +6,7 @@ from pathlib import Path
 from lutgen import plot
 from lutgen.mapping import load_map
 from lutgen.paper.model import DOWN, paper_recipe
-from lutgen.paper.simulations import Results
+from lutgen.paper.simulations import MAP, Results
 from lutgen.plot import draw_path, draw_steps
 
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
@@ -17,7 +17,7 @@ PIXELS = 80.0
 
 def draw_figures(folder: Path, results: Results) -> dict[str, int]:
     """Draw all figures as PNG into a folder; return the width (CSS pixels) of each by its stem."""
-    stability_map = load_map(results.swept.path)
+    stability_map = load_map(folder / MAP)
     one, two, third = paper_recipe("paper_one"), paper_recipe(), results.third
     search = results.second["plane", "search"]
     runs = {"without control": third["fixed"], "with control": third["lagged"]}

@@ -140,7 +140,7 @@ def page_numbers(results: Results, forces: Table) -> dict[str, Any]:
     off = [scale * r - 1.0 for name, (_, scale) in results.table.items() for r in meant[name]]
     third, last, first = TABLE[4], TABLE[5], TABLE[3]
     slope = (first.sdg - third.sdg) / (first.alpha - third.alpha)
-    faster = 3600.0 / results.swept.file
+    faster = 3600.0 / results.swept["file"]
     digit = 10 ** math.floor(math.log10(faster))
     return {
         "radius": RADIUS,

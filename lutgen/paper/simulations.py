@@ -40,34 +40,20 @@ RUNS: dict[str, dict[str, Any]] = {
 }
 
 
-class MapTime(NamedTuple):
-    """The 50 x 50 map: where it is, its least node (deg), and how long it took.
-
-    `kernel` is the time of the evaluation alone and `file` that of the sweep into a file, seconds.
-    """
-
-    path: Path
-    nodes: int
-    alpha: float
-    gamma: float
-    sdg: float
-    kernel: float
-    file: float
-
-
 class Results(NamedTuple):
     """What the simulations find.
 
     `first` are the optima of simulation 1 by convention, `second` those of simulation 2 by
     convention and method, and `third` the runs of simulation 3 by their names in `RUNS`.  `table`
     has, by convention, |SD_g| (6,) at the angles of Table 1, and the scale that fits the paper's
-    values best.
+    values best.  `swept` is the least node of the 50 x 50 map (deg), and the seconds that its
+    evaluation alone (`kernel`) and its sweep into a file (`file`) took.
     """
 
     first: dict[str, Optimum]
     second: dict[tuple[str, str], Optimum]
     table: dict[str, tuple[Floats, float]]
-    swept: MapTime
+    swept: dict[str, float]
     third: dict[str, Drive]
 
 
@@ -77,7 +63,7 @@ def level_values(recipe: Recipe, params: ArrayLike, convention: str) -> dict[str
     return evaluate_each(recipe, params, down, ("sdg", "height"))
 
 
-def timed_map(path: Path) -> MapTime:
+def timed_map(path: Path) -> dict[str, float]:
     """Sweep the paper's 50 x 50 map into an HDF5 file, and time it with compiled kernels."""
     recipe = paper_recipe()
     rows = recipe.grid.params(np.arange(recipe.grid.size))
@@ -90,8 +76,8 @@ def timed_map(path: Path) -> MapTime:
         spent.append(time.perf_counter() - begin)
     values = load_map(path).channel("sdg").ravel()
     least = int(np.nanargmin(values))
-    alpha, gamma = np.degrees(rows[least]).tolist()
-    return MapTime(path, values.size, alpha, gamma, float(values[least]), *spent)
+    found = [values.size, *np.degrees(rows[least]).tolist(), float(values[least]), *spent]
+    return dict(zip(("nodes", "alpha", "gamma", "sdg", "kernel", "file"), found, strict=True))
 
 
 def table_one() -> dict[str, tuple[Floats, float]]:

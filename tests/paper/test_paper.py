@@ -94,10 +94,10 @@ def test_the_searching_algorithm_makes_the_papers_six_steps(results):
 
 def test_the_stability_map_has_its_least_node_at_31_as_in_table_1(results):
     swept = results.swept
-    assert (swept.nodes, swept.alpha, swept.gamma) == (2500, pytest.approx(31), pytest.approx(31))
+    assert [swept[name] for name in ("nodes", "alpha", "gamma")] == pytest.approx([2500, 31, 31])
     # Stored as float32.
-    assert swept.sdg == pytest.approx(0.0025316053, rel=1e-6)
-    assert min(swept.kernel, swept.file) > 0.0
+    assert swept["sdg"] == pytest.approx(0.0025316053, rel=1e-6)
+    assert min(swept["kernel"], swept["file"]) > 0.0
 
 
 # Value/print - 1 in percent at the fitted scale, by convention, in the order of Table 1.
