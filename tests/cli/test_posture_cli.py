@@ -8,10 +8,11 @@ import pytest
 
 import lutgen
 from lutgen.analysis import Posture, posture_limits, wheel_speeds
+from tests.analysis import test_rolling
 from tests.cli.test_refusals_cli import DITCH
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, feet, rigid, tripod
+from tests.fixtures.recipes import feet, rigid, tripod
 
 
 def test_what_tips_on_level_ground_is_said_in_words(tmp_path):
@@ -54,11 +55,7 @@ def test_every_limit_is_printed_rounded_down(tripod_path):
 
 def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path):
     path = tmp_path / "cart.toml"
-    wheels = [
-        contact(f"w{i}", (x, y, -0.4), 0.1, (0.0, 1.0, 0.0)) + ("rolling = true\n" * (x > 0))
-        for i, (x, y) in enumerate([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)])
-    ]
-    path.write_text(rigid("".join(wheels), head="friction = 0.5"))
+    path.write_text(test_rolling.cart(test_rolling.FRONT, 0.5))
     assert data("limits", path)["ground_rolling_included"] is False
     assert "26.56 deg (sliding included, rolling not; tipping over alone" in stdout("limits", path)
     assert data("limits", MAPS / "articulated.toml")["ground_rolling_included"] is None
