@@ -64,7 +64,7 @@ def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
     layout = 6 + 4 * room.rests + 4 * room.gaps + 5 * room.arcs
     region = 4 * (1 + 7 * room.rests + 3 * vectors)
     floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests
-    work = 24 + 4 * floats + (contacts if discs else 1) + 6 * room.corners + room.rests + 8
+    work = 24 + 4 * floats + (contacts if discs else 1) + 7 * room.corners + room.rests + 8
     whole = 6 + 14 * room.rests + 6 * vectors
     both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
     return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)

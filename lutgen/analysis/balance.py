@@ -87,11 +87,11 @@ class Balance:
         The sum of its six absolute components.  Without a com the best one is found, too.
         """
         count = self.edges.shape[1]
-        slack = np.hstack([np.eye(6), -np.eye(6)])
+        residue = np.hstack([np.eye(6), -np.eye(6)])
         box = [(-BOX, BOX)] * 2 if com is None else [(x, x) for x in com.tolist()]
         found = _solved(
             np.concatenate([np.zeros(count + 2), np.ones(12)]),
-            np.hstack([self.edges, COM, slack]),
+            np.hstack([self.edges, COM, residue]),
             WEIGHT,
             [*[(0.0, None)] * count, *box, *[(0.0, None)] * 12],
         )

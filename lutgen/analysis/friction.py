@@ -196,8 +196,8 @@ def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
     True where it stands on a contact that rolls and does not even `may_hold`, also where it slides
     first; false where it tips and on level ground.  False is no promise that it stays.
     """
-    held, rolling = _verdicts(posture, gravity_dir, "some")
-    return np.asarray(rolling & ~held)
+    stays, rolling = _verdicts(posture, gravity_dir, "some")
+    return np.asarray(rolling & ~stays)
 
 
 def _verdicts(
@@ -207,7 +207,7 @@ def _verdicts(
     directions = checked_directions(gravity_dir)
     recipe, stance = posture.recipe, posture.stance_of_weight()
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
-    held, rolling = np.zeros((2, len(directions)), np.bool_)
+    stays, rolling = np.zeros((2, len(directions)), np.bool_)
     for d in np.flatnonzero(angle >= 0.0):
         facet = stance.under(directions[d])
         if facet is None:
@@ -218,10 +218,10 @@ def _verdicts(
         if rolling[d] and slope > LEVEL:
             share += UNSURE if loads == "some" else -UNSURE
         if recipe.friction is None:
-            held[d] = share >= NOTHING
+            stays[d] = share >= NOTHING
         else:
-            held[d] = slope <= LEVEL or math.tan(slope) <= recipe.friction * share
-    return held, rolling
+            stays[d] = slope <= LEVEL or math.tan(slope) <= recipe.friction * share
+    return stays, rolling
 
 
 def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:

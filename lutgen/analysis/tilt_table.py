@@ -201,7 +201,6 @@ def sweep_limits(
     """Return the least and largest limits over postures (m, k) in headings (h,)."""
     rows = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
-    bounds.check(len(rows) * len(heading), bounds.LIMITS, recipe.source, "use fewer headings")
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))

@@ -104,18 +104,15 @@ def equilibrium(
     >>> found.holds, round(float(found.region[:, 0].max()), 6)
     (True, 0.8)
     """
-    places, outward = _numbers("points", points), _numbers("normals", normals)
-    mu, middle = _numbers("friction", friction), _numbers("com", com)
-    down, n = _numbers("gravity_dir", gravity_dir), len(np.atleast_1d(places))
-    shapes = (("points", places, (n, 3)), ("normals", outward, (n, 3)), ("com", middle, (3,)))
-    for name, found, shape in (*shapes, ("gravity_dir", down, (3,))):
-        if found.shape != shape or n == 0:
-            what = f"{name} must have the shape {shape}, with a contact at least"
-            reject("footing", what, found.shape, "give x, y, z of each", InputError)
-    if mu.shape not in ((), (n,)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
-        what = f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them"
-        way_out = "give a coefficient for all contacts or for each"
-        reject("footing", what, mu.tolist(), way_out, InputError)
+    arrays = [np.asarray(one, np.float64) for one in (points, normals, friction, com, gravity_dir)]
+    places, outward, mu, middle, down = arrays
+    n, shapes = len(np.atleast_1d(places)), [one.shape for one in arrays]
+    right = n > 0 and shapes == [(n, 3), (n, 3), mu.shape, (3,), (3,)] and mu.shape in ((), (n,))
+    finite = all((np.abs(one) < LARGEST).all() for one in arrays)
+    if not (right and finite and ((mu >= 0.0) & (mu <= ROUGHEST)).all()):
+        what = f"a contact and a com need x, y, z, and each a friction from 0 to {ROUGHEST:g}"
+        got = f"the shapes {shapes} and friction {mu.tolist()}"
+        reject("footing", what, got, "give finite numbers as a file of feet has them", InputError)
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
     origin = places.mean(axis=0)
@@ -147,19 +144,6 @@ def equilibrium(
         bool((np.abs(region) > BOX * (1.0 - SAME)).any()),
         margin,
     )
-
-
-def _numbers(name: str, values: ArrayLike) -> Floats:
-    """Return an argument as finite numbers, or refuse it."""
-    try:
-        result = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        what = f"{name} must be numbers in rows of equal length"
-        reject("footing", what, repr(values), "write them as a list", InputError)
-    if not (np.abs(result) < LARGEST).all():
-        what = f"{name} must be finite, and below {LARGEST:g}"
-        reject("footing", what, result.tolist(), "give numbers of another size", InputError)
-    return result
 
 
 def _level_frame(down: Floats) -> Floats:

@@ -92,7 +92,7 @@ def budget(source: str, options: Options) -> None:
         row |= {f"stop_at_{at}_deg_m_s": v for at, v in row.pop("stop_speeds_m_s", {}).items()}
     columns = {key: [row[key] for row in flat] for key in flat[0] if key != "posture"}
     output.save_columns(columns, options.output, options.force)
-    output.show(report, lines, options.as_json)
+    output.show(report, lines)
 
 
 def opened(source: str, options: Options) -> "tuple[robots.Recipe, Callable[..., Floats]]":

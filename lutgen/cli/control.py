@@ -113,7 +113,7 @@ def control(source: str, options: Options) -> None:
         "alarms": [int((loop.alarms == level).sum()) for level in range(4)],
         "most_poses": int(loop.poses.max()),
     }
-    show(report, lines, options.as_json)
+    show(report, lines)
 
 
 def steering_for(source: str, options: Options) -> "onboard.Steering":

@@ -57,7 +57,7 @@ def eval_(source: str, options: Options) -> None:
         else:
             report = map_report(opened, posture, gravity)
         report |= output.posture_entries(recipe, posture.params, options.assignments)
-    output.show(report, lines, options.as_json, 0 if report["standing"] else output.TIPS)
+    output.show(report, lines, 0 if report["standing"] else output.TIPS)
 
 
 def exact_report(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[str, Any]:

@@ -123,7 +123,7 @@ def export(source: str, options: ExportOptions) -> None:
     finally:
         if watched:
             click.echo("\r\033[K", nl=False, err=True)
-    show({"directory": options.output, **report}, export_lines, options.as_json)
+    show({"directory": options.output, **report}, export_lines)
 
 
 def export_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -168,7 +168,7 @@ def policy(source: str, options: PolicyOptions) -> None:
         opened, options.output, policy_options, lambda text: log.info("%s", text), name=options.name
     )
     loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}
-    show({"directory": options.output, **report, "loss": loss}, policy_lines, options.as_json)
+    show({"directory": options.output, **report, "loss": loss}, policy_lines)
 
 
 def policy_lines(report: dict[str, Any]) -> Iterator[str]:

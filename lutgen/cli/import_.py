@@ -77,7 +77,6 @@ class Options:
     arguments: tuple[str, ...] = given.repeated(
         "--arg", metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
     )
-    as_json: bool = given.as_json()
 
 
 @command("urdf", Options)
@@ -150,7 +149,7 @@ def import_(urdf: str, options: Options) -> None:
     except RecipeError:
         # The recipe is of no use yet.
         log.warning("%s: %s", made.recipe.name, STANDS_NOWHERE)
-    show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
+    show(report, lambda shown: import_lines(shown, robot.root))
 
 
 def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:

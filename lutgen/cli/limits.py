@@ -9,7 +9,7 @@ from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import analysis, np, robots
-from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
+from lutgen.cli.options import FigureOptions, RecipeOptions, command, option
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
@@ -36,7 +36,7 @@ class Options(RecipeOptions, FigureOptions):
 
 
 @command("recipe", Options)
-def limits(recipe: str, options: Options) -> None:
+def limits(robot: "robots.Recipe", options: Options) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
     With its shape kept: nose down, left side down, nose up, right side down and in its worst
@@ -49,7 +49,6 @@ def limits(recipe: str, options: Options) -> None:
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
     guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
-    robot = open_recipe(recipe, options.allow_python)
     output.check_outputs(options.force, options.output)
     # Refused before the work, which takes as many as the figure needs.
     around = analysis.even_headings(options.headings)
@@ -85,7 +84,7 @@ def limits(recipe: str, options: Options) -> None:
             }
             for i in range(0, len(around), len(around) // options.headings)
         ]
-    output.show(report, limits_lines, options.as_json, 0 if found.stands else output.TIPS)
+    output.show(report, limits_lines, 0 if found.stands else output.TIPS)
 
 
 def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> dict[str, Any]:

@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
+from lutgen.cli.options import RecipeOptions, command, log, option, stored_values
 from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
@@ -58,7 +58,7 @@ class Options(RecipeOptions):
 
 
 @command("recipe", Options)
-def optimum(recipe: str, options: Options) -> None:
+def optimum(robot: "robots.Recipe", options: Options) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 
     With +- how far each parameter may be off, and the interval in which it may lie, the others
@@ -69,7 +69,6 @@ def optimum(recipe: str, options: Options) -> None:
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    robot = open_recipe(recipe, options.allow_python)
     kept = stored_values(robot, options.assignments)
     one = QUANTITIES.get(options.objective.strip())
     box, start = space_of(robot, kept, options)
@@ -105,7 +104,7 @@ def optimum(recipe: str, options: Options) -> None:
     }
     if options.trace:
         report["trace"] = trace
-    show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
+    show(report, optimum_lines, 0 if found.standing else TIPS)
 
 
 def space_of(
@@ -115,8 +114,8 @@ def space_of(
 
     Bounds of a kept parameter are equal; where nothing is said of one it begins in the middle.
     """
-    for flag, told in (("--bounds", options.bounds), ("--start", options.start)):
-        for name, *_ in told:
+    for flag, named in (("--bounds", options.bounds), ("--start", options.start)):
+        for name, *_ in named:
             if name in kept:
                 what, got = f"parameter {name} has a value already", f"-p as well as {flag} {name}"
                 reject(robot.source, what, got, f"give it one -p or one {flag}", InputError)

@@ -26,22 +26,16 @@ VERDICTS = {"stands": "stands", "rocks": "rocks", "tips": "tips over"}
 def show(
     report: Mapping[str, Any],
     lines: Callable[[dict[str, Any]], Iterable[str]],
-    as_json: bool,
     code: int = 0,
 ) -> None:
     """Print a report as JSON, or the lines that say the same; exit with the code of its answer."""
-    values = plain(report)
+    values, as_json = plain(report), click.get_current_context().params["as_json"]
     said = [json.dumps(values, indent=2, allow_nan=False)] if as_json else lines(values)
     for line in said:
         # A name may hold characters that a terminal obeys, or another line.
         click.echo(line if as_json else one_line(line))
     if code:
         click.get_current_context().exit(code)
-
-
-def silent(report: dict[str, Any]) -> Iterable[str]:
-    """Return no lines: in words the file that was made is all that there is to say."""
-    return ()
 
 
 def degrees(value: Any) -> Any:

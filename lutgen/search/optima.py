@@ -265,11 +265,13 @@ def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
     axes = zip(recipe.grid.axes, space.free, strict=True)
     grid = Grid(tuple(axis for axis, free in axes if free))
     box = space.box
-    slack = 1e-12 * np.maximum(np.abs(box).max(axis=1), 1.0)
+    rounding = 1e-12 * np.maximum(np.abs(box).max(axis=1), 1.0)
     inside = 0
     for begin in range(0, grid.size, AT_ONCE):
         nodes = grid.params(np.arange(begin, min(begin + AT_ONCE, grid.size))) / space.factor
-        kept = (nodes >= box[:, 0] - slack).all(axis=1) & (nodes <= box[:, 1] + slack).all(axis=1)
+        kept = (nodes >= box[:, 0] - rounding).all(axis=1) & (nodes <= box[:, 1] + rounding).all(
+            axis=1
+        )
         inside += int(kept.sum())
         if kept.any():
             yield nodes[kept]
