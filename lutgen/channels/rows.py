@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
-from lutgen.channels.exact import FACET, HEIGHT, SDG, STATUS, TIP
+from lutgen.channels.exact import FACET, HEIGHT, JUST_OUTSIDE, SDG, STATUS, TIP, tip_angle
 from lutgen.chart import Chart
 from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, CONES, CONVEX, ON_AXIS, TIPS, Region

@@ -14,8 +14,7 @@ from lutgen.mapping.head import (
     DIGESTS,
     FORMAT,
     ROWS,
-    Plan,
-    Storage,
+    Layout,
     check_seal,
 )
 from lutgen.mapping.stability_map import StabilityMap
@@ -54,10 +53,10 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
                     _require_inside(name, file, channel, recipe)
                 return StabilityMap(name, recipe, attributes)
             digests = file[DIGESTS]
-            layout = Plan((*recipe.grid.shape, *recipe.chart.shape), int(digests.attrs[ROWS]))
+            rows, version = int(digests.attrs[ROWS]), str(attributes["lutgen_version"])
             places = tuple(int(file[channel].id.get_offset()) for channel in recipe.channels)
-            storage = Storage(recipe, layout, places, str(attributes["lutgen_version"]))
-            return StabilityMap(name, recipe, attributes, storage, digests[...])
+            layout = Layout(recipe, rows, places, version)
+            return StabilityMap(name, recipe, attributes, layout, digests[...])
     except LutgenError:
         raise
     except Exception as error:
@@ -95,9 +94,9 @@ def _require_ours(name: str, attributes: dict[str, Any]) -> None:
 
 def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
     text, urdf = str(attributes["recipe"]), attributes.get("urdf")
-    own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
-    if own != held:
-        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {held[:12]!r}"
+    own, stored = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
+    if own != stored:
+        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {stored[:12]!r}"
         reject(name, what, got, "the file was edited: sweep it again", MapFileError)
     try:
         return parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)

@@ -8,30 +8,27 @@ sides are moved in until the balances that are held are outside at every eighth 
 import math
 
 from lutgen.jit import njit
-from lutgen.support.region import add_arc, add_wall
-from lutgen.support.rolling import (
-    Places,
-    arc_between,
-    held_by,
-    roll_over,
-    turned,
-)
+from lutgen.support.facets import find_facets
+from lutgen.support.primitive import contact_count, show
+from lutgen.support.region import add_arc, add_boundary, add_rests, add_wall, find_rests
+from lutgen.support.rolling import Places, arc_between, held_by, roll_over, turned
 from lutgen.support.table import (
     ACCEPTED,
     CONES,
     EDGES,
     ROCKS,
+    SHOWN,
     STANDS,
     WALLS,
     Acceptance,
     Region,
-    asks_nothing,
     edge_after,
     ends_of,
     is_inner,
     is_same_rest,
     is_slit,
     rests_at,
+    robot_size,
     seat_of,
 )
 from lutgen.vector import (
@@ -281,7 +278,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         How many gaps have an area in which the robot rocks.
     """
     edge, seat = region.edge, region.seat
-    free = asks_nothing(accept)
+    free = accept.rock_angle == math.inf
     # The turn of a gap may be longer by rounding.
     least = -2.0 if free else math.cos(accept.rock_angle + 1e-12)
     gaps = 0
@@ -293,3 +290,28 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         if one or dot(read3(seat[here].normal), read3(seat[there].normal)) >= least:
             gaps += _find_gap(primitives, region, e, one, free)
     return gaps
+
+
+@njit(bare=True)
+def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
+    """Find where one posture stands.
+
+    Parameters
+    ----------
+    region : Region
+        Overwritten; as `empty_region` makes it for so many primitives.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    accept : Acceptance
+        Limits of facets and rests, and how far the robot rocks.
+    """
+    contacts = contact_count(primitives)
+    places, axles = primitives[:contacts], primitives[contacts:]
+    size = robot_size(places)
+    count = show(places, size, region.shown, region.source)
+    region.counts[SHOWN] = count
+    shown = region.shown[:count]
+    find_facets(shown, region, size, accept.steepest)
+    find_rests(shown, axles, region, accept, size)
+    add_rests(region)
+    add_boundary(region, find_gaps(shown, region, accept))

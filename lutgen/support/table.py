@@ -212,12 +212,6 @@ def is_same_rest(region: Region, here: int, k: int) -> bool:
 
 
 @njit(inline=True, bare=True)
-def asks_nothing(accept: Acceptance) -> bool:
-    """Tell whether every gap counts, whatever its turn."""
-    return accept.rock_angle == math.inf
-
-
-@njit(inline=True, bare=True)
 def is_slit(region: Region, e: int) -> bool:
     """Tell whether an edge and its twin are one line: both contacts stay where they are."""
     a, b = ends_of(region, e)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.support import acceptance
 from tests.fixtures.length import part
 from tests.oracles.primitives import unit
@@ -83,7 +83,9 @@ def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(fa
         standing = Standing(rows, limits)
         g = asked(standing, 16, rng)
         accept = acceptance(*limits[:2], 0.0, *limits[2:])
-        found = measure_primitives(rows[None], g, ("energy_margin",), accept)["energy_margin"][0]
+        found = measure_postures(rows[None], g[None], ("energy_margin",), accept)["energy_margin"][
+            0
+        ]
         for k, direction in enumerate(g):
             walls = [unit(np.cross(f.points, np.roll(f.points, -1, 0))) for f in standing.rests]
             on = [i for i, wall in enumerate(walls) if (wall @ direction > 1e-6).all()]

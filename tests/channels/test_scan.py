@@ -1,4 +1,4 @@
-"""The float32 rows of a sweep against `measure_primitives`, node by node."""
+"""The float32 rows of a sweep against `measure_postures`, node by node."""
 
 import math
 from itertools import pairwise
@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import scan_part
@@ -28,7 +28,7 @@ CHARTS = {
 
 
 class Robots:
-    """Postures (m, n, ...) of one kind of robot, as `measure_primitives` takes them."""
+    """Postures (m, n, ...) of one kind of robot, as `measure_postures` takes them."""
 
     def __init__(self, centre, radius=0.0, kind=0):
         m, n = centre.shape[:2]
@@ -70,10 +70,10 @@ def rows(robots, chart, bounds=(None, None), channels=FAST):
 
 
 def exact(robots, chart, bounds, channels=FAST):
-    """Return what `measure_primitives` says, in the same shape."""
+    """Return what `measure_postures` says, in the same shape."""
     primitives = pack(robots.centre, robots.axis, robots.radius, robots.kind)
-    got = measure_primitives(
-        primitives, chart.directions().reshape(-1, 3), channels, acceptance(*bounds)
+    got = measure_postures(
+        primitives, chart.directions().reshape(1, -1, 3), channels, acceptance(*bounds)
     )
     shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
     return {name: value.reshape(shape) for name, value in got.items()}
@@ -146,5 +146,5 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid):
             got = rows(robots, chart)
             assert not np.isnan(got["sdg"]).any()
             assert (got["tip_angle"] == np.float32(np.pi)).all()
-            # Of facets that meet at a node the lower number has it, as in `measure_primitives`.
+            # Of facets that meet at a node the lower number has it, as in `measure_postures`.
             np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan
@@ -64,7 +64,7 @@ def tips_of_rows_and_exact(points, chart, limits):
     setting = Setting(acceptance(*limits), wanted_channels(("sdg", "tip_angle")))
     scan(primitives, setting, nodes_of(chart), (0, rows), out)
     directions = chart.directions().reshape(-1, 3)
-    exact = measure_primitives(primitives, directions, ("tip_angle",), acceptance(*limits))
+    exact = measure_postures(primitives, directions[None], ("tip_angle",), acceptance(*limits))
     return out[TIP].reshape(m, -1) < 0.0, exact["tip_angle"]
 
 

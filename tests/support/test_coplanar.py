@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import nnls
 
 import lutgen
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import acceptance, pack
 from tests.fixtures.odd_robots import odd_robot
@@ -30,7 +30,7 @@ def read(rows, g):
     """Return the channels of one posture with the limits that a recipe has by default."""
     limits = limits_of(rows)
     accept = acceptance(*limits[:2], 0.0, *limits[2:])
-    return {k: v[0] for k, v in measure_primitives(rows[None], g, CHANNELS, accept).items()}
+    return {k: v[0] for k, v in measure_postures(rows[None], g[None], CHANNELS, accept).items()}
 
 
 def points(*feet):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import ARCS, acceptance, empty_region, lies_within, pack, stand
 from tests.fixtures.odd_robots import boxed_tracks
@@ -36,7 +36,7 @@ def disc(x, y, z, radius, axis=(0, 1, 0)):
 
 def read(primitives, g):
     """Return |SD_g| and tip angle of one posture."""
-    return measure_primitives(np.ascontiguousarray(primitives)[None], g, CHANNELS, LIMITS)
+    return measure_postures(np.ascontiguousarray(primitives)[None], g[None], CHANNELS, LIMITS)
 
 
 def agree(one, other):
@@ -121,7 +121,7 @@ def test_a_rail_goes_on_to_the_wheel_that_it_begins_within():
     # At a pitch of -90 deg the corner at the wheel's foremost point and the wheel are level.
     side = [point(-0.25, 0.1, -0.35), disc(-0.2, 0.1, -0.35, 0.05), point(0.25, 0.1, -0.35)]
     robot = [((x, y * way, z), *rest) for (x, y, z), *rest in side for way in (1, -1)]
-    found = measure_primitives(rows(*robot)[None], DOWN, ("height",), LIMITS)
+    found = measure_postures(rows(*robot)[None], DOWN[None], ("height",), LIMITS)
     # From the corners ahead, level with the wheels' centres 0.45 m behind, a tangent to the wheels.
     lean = math.asin(0.05 / 0.45)
     assert found["height"].item() == pytest.approx(0.35 * math.cos(lean) + 0.25 * math.sin(lean))

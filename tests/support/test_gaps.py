@@ -7,7 +7,7 @@ import pytest
 
 import lutgen
 from lutgen.channels import evaluate_each
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.recipe import parse_recipe
 from lutgen.support import acceptance
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
@@ -80,8 +80,8 @@ def test_a_wider_least_rest_or_a_smaller_rock_angle_never_enlarges_the_region():
                 limits._replace(rest_width=limits.rest_width * (20.0 - 10.0 * change)),
             ):
                 loose, tight = (
-                    measure_primitives(
-                        rows[None], g, ("tip_angle",), acceptance(*of[:2], 0.0, *of[2:])
+                    measure_postures(
+                        rows[None], g[None], ("tip_angle",), acceptance(*of[:2], 0.0, *of[2:])
                     )["tip_angle"][0]
                     for of in (limits, strict)
                 )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.evaluation import measure_postures
 from lutgen.support import acceptance
 from tests.fixtures.length import LONG
 from tests.oracles.primitives import Floats, size_of
@@ -37,7 +37,7 @@ class Compared(NamedTuple):
 def read(rows, g, limits):
     """Return lutgen's channels (4, m)."""
     accept = acceptance(*limits[:2], 0.0, *limits[2:])
-    values = measure_primitives(rows[None], g, CHANNELS, accept)
+    values = measure_postures(rows[None], g[None], CHANNELS, accept)
     return np.stack([values[name][0] for name in CHANNELS])
 
 
