@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.arrays import Floats, Ints
 from lutgen.channels.axes import MU, PHI, empty_axes, find_axes, part
 from lutgen.channels.exact import (
     NO_GROUPS,
@@ -26,7 +27,7 @@ from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
-from lutgen.vector import Floats, Ints, add, row
+from lutgen.vector import add, row
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024

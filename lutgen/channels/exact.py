@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.arrays import Bools, Floats, Vector
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
@@ -37,19 +38,7 @@ from lutgen.support import (
     roll_over,
     turned,
 )
-from lutgen.vector import (
-    Bools,
-    Floats,
-    Vector,
-    along,
-    between,
-    cross,
-    dot,
-    length,
-    read3,
-    scale,
-    subtract,
-)
+from lutgen.vector import along, between, cross, dot, length, read3, scale, subtract
 
 # A direction just outside the region gets this where its distance rounds to zero, so that the
 # sign alone always tells the verdict, in float32 too.

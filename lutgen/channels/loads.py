@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Bools, Floats, Ints, Vector
 from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
 from lutgen.channels.exact import (
     FACET,
@@ -26,32 +27,8 @@ from lutgen.channels.exact import (
 from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import (
-    ACCEPTED,
-    ARCS,
-    CONVEX,
-    ROCKS,
-    STANDS,
-    TIPS,
-    Region,
-    cone_of,
-    seat_under,
-)
-from lutgen.vector import (
-    Bools,
-    Floats,
-    Ints,
-    Vector,
-    add,
-    along,
-    cross,
-    dot,
-    length,
-    read3,
-    scale,
-    subtract,
-    unit,
-)
+from lutgen.support import ACCEPTED, ARCS, CONVEX, ROCKS, STANDS, TIPS, Region, cone_of, seat_under
+from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit
 
 
 @njit(bare=True)

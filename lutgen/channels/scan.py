@@ -7,16 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lutgen.arrays import Floats, Singles
 from lutgen.channels.evaluation import measure_recipe
-from lutgen.channels.exact import (
-    ENERGY,
-    MARGIN,
-    SHARE,
-    TIP,
-    Setting,
-    measure,
-    wanted_channels,
-)
+from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
 from lutgen.channels.loads import share_of
 from lutgen.channels.rows import (
     PAD,
@@ -35,7 +28,6 @@ from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward
 from lutgen.support import Region, empty_region, stand
-from lutgen.vector import Floats, Singles
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
 BAND = 4096
@@ -50,7 +42,7 @@ def _each_node(
     """Fill the wanted channels of rows node by node."""
     _, wanted, groups = setting
     count = nodes.inverse.shape[0]
-    for r in range(rows.held):
+    for r in range(rows.size):
         for i in range(count):
             g = node_direction(nodes, rows.face, i, rows.first + r)
             measure(region, g, wanted, values)
@@ -88,9 +80,9 @@ def scan_part(
             stand(region, primitives[posture], accept)
         place = first + line - posture * per_posture
         face, first_row = place // count, place % count
-        held = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
-        rows = Rows(face, first_row, held, line * count)
-        line += held
+        size = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
+        rows = Rows(face, first_row, size, line * count)
+        line += size
         if wanted[MARGIN] or wanted[ENERGY] or wanted[SHARE]:
             _each_node(region, nodes, rows, setting, values, out)
             continue

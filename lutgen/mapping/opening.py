@@ -8,15 +8,7 @@ import h5py
 import numpy as np
 
 from lutgen.errors import LutgenError, MapFileError, reject
-from lutgen.mapping.head import (
-    COMPLETE,
-    DEFINITION,
-    DIGESTS,
-    FORMAT,
-    ROWS,
-    Layout,
-    check_seal,
-)
+from lutgen.mapping.head import COMPLETE, DEFINITION, DIGESTS, FORMAT, ROWS, Layout, check_seal
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest

@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.arrays import Floats, Ints, Vector
 from lutgen.errors import InputError, reject
 from lutgen.jit import njit
 from lutgen.parts import KINDS, ZERO, Contact, Force, Joint, Link, parents_first, way_up
-from lutgen.recipe.described import asked
+from lutgen.recipe.described import answered
 from lutgen.recipe.model import Recipe
-from lutgen.vector import Floats, Ints, Vector, rotation
+from lutgen.vector import rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
 
@@ -64,7 +65,7 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         what, got = "the robot is given by code that was not loaded", f"python = {recipe.python!r}"
         reject(recipe.source, what, got, "load its recipe file with allow_python", InputError)
     if recipe.function is not None:
-        own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
+        own, com = answered(recipe.source, recipe.function, values, len(recipe.contacts))
         com = com + recipe.com_offset
         none = np.empty((len(values), 0, 3))
         centres = own - com[:, None, :]

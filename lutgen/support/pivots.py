@@ -11,25 +11,13 @@ judges that by a physics engine.
 import math
 from typing import NamedTuple
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.gather import ROW, forget_edges, write_edge
 from lutgen.support.polygon import corners_of, has_bit, outline, plane_axes
 from lutgen.support.primitive import FIRST, RADIUS, axle, support_contact
 from lutgen.support.table import EDGES, SAME, SHOWN, Region, ends_of
-from lutgen.vector import (
-    Floats,
-    Vector,
-    along,
-    cross,
-    dot,
-    length,
-    read3,
-    row,
-    scale,
-    subtract,
-    unit,
-    write3,
-)
+from lutgen.vector import along, cross, dot, length, read3, row, scale, subtract, unit, write3
 
 # A line over which something turns, by two of its points.
 Line = tuple[Vector, Vector]
@@ -70,15 +58,15 @@ def cut(region: Region, count: int, wall: Vector, line: Line, ground: Ground) ->
     old, new, kept = region.swung[0], region.swung[1], 0
     side, plane = subtract(line[1], line[0]), cross(line[0], line[1])
     a, b, c = dot(wall, ground.first), dot(wall, ground.second), dot(wall, ground.foot)
-    slack = SAME * ROW * length(ground.foot) * math.hypot(a, b)
+    hair = SAME * ROW * length(ground.foot) * math.hypot(a, b)
     left, back = -1, 1.0
     for k in range(count):
         here, there = old[k], old[(k + 1) % count]
         inside, beyond = a * here.x + b * here.y + c, a * there.x + b * there.y + c
-        if inside >= -slack:
+        if inside >= -hair:
             new[kept] = here
             kept += 1
-        if (inside >= -slack) == (beyond >= -slack):
+        if (inside >= -hair) == (beyond >= -hair):
             continue
         part = min(max(inside / (inside - beyond), 0.0), 1.0)
         x, y = here.x + part * (there.x - here.x), here.y + part * (there.y - here.y)
@@ -87,7 +75,7 @@ def cut(region: Region, count: int, wall: Vector, line: Line, ground: Ground) ->
         point = place_on(ground, x, y)
         nearer = dot(cross(point, side), plane) / dot(plane, plane)
         new[kept].x, new[kept].y = x, y
-        if inside >= -slack:
+        if inside >= -hair:
             new[kept - 1].end = between
             new[kept].begin, left = nearer, kept
         else:

@@ -12,21 +12,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.arrays import Floats, Ints, Vector
 from lutgen.jit import njit
 from lutgen.parts import KINDS
-from lutgen.vector import (
-    Floats,
-    Ints,
-    Vector,
-    along,
-    cross,
-    dot,
-    length,
-    row,
-    scale,
-    subtract,
-    write3,
-)
+from lutgen.vector import along, cross, dot, length, row, scale, subtract, write3
 
 POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
 AXLE, FIRST = 3.0, 64

@@ -7,6 +7,7 @@ little make up one rectangle.
 
 import math
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.gather import bit_count, leave_old_edges_out
 from lutgen.support.pivots import swing
@@ -31,8 +32,6 @@ from lutgen.support.table import (
     seat_of,
 )
 from lutgen.vector import (
-    Floats,
-    Vector,
     add,
     along,
     between,

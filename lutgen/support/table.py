@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.primitive import RADIUS
-from lutgen.vector import Floats, Vector, dot, read3, row, scale, subtract
+from lutgen.vector import dot, read3, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 SAME = 1e-9

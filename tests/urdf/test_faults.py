@@ -14,21 +14,11 @@ from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken
 
 XACRO = VECTORS / "xacro"
-SRDF = """<?xml version="1.0"?>
-<robot name="rover">
-  <group name="front"><joint name="arms"/></group>
-  <group_state name="standing" group="front">
-    <joint name="arms" value="0.2"/><joint name="lift" value="0.3"/>
-    <joint name="root_joint" value="0 0 1 0 0 0 1"/>
-  </group_state>
-  <group_state name="folded" group="front"><joint name="arms" value="-0.7"/></group_state>
-  <disable_collisions link1="mast" link2="lens" reason="Never"/>
-</robot>"""
 
 
 def stand(file):
-    """Import the rover as an SRDF file says that it stands."""
-    robot = load_urdf(VECTORS / "rover.urdf")
+    """Import the quadruped as an SRDF file says that it stands."""
+    robot = load_urdf(VECTORS / "quadruped.urdf")
     found = load_srdf(file, robot)
     name = found.standing()
     import_urdf(robot, posture=found.posture(name) if name else None)
@@ -44,7 +34,7 @@ def expand(file):
     ("sound", "read", "count"),
     [
         ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 200),
-        (SRDF, stand, 100),
+        ((VECTORS / "quadruped.srdf").read_text(), stand, 100),
         ((XACRO / "robots" / "crane.xacro").read_text(), expand, 60),
     ],
     ids=["urdf", "srdf", "xacro"],
