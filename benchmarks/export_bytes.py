@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.rivals import RIVALS, Points, Result
-from firmware_export.certify.answers import Truth, device, truth
+from firmware_export.certify.answers import Expected, device, expected
 from firmware_export.choose import Goal, Trials, choose
 from firmware_export.codecs import usable
-from firmware_export.truth.model import Model
-from firmware_export.truth.sample import Sample, biased, join, uniform
+from firmware_export.model.exact import Model
+from firmware_export.model.sample import Sample, biased, join, uniform
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
 
@@ -32,9 +32,9 @@ SEED = 2001
 FINER = (0.1, 0.01)
 
 
-def points_of(sample: Sample, model: Model) -> tuple[Truth, Points]:
-    """Return the truth of a sample and its standing points as rivals take them."""
-    known = truth(model, sample)
+def points_of(sample: Sample, model: Model) -> tuple[Expected, Points]:
+    """Return the exact answers to a sample and its standing points as rivals take them."""
+    known = expected(model, sample)
     standing = known.exact.tip_angle >= 0.0
     params = np.repeat(known.sample.params[:, None], standing.shape[1], axis=1)[standing]
     gravity = known.sample.gravity[standing]
@@ -45,7 +45,7 @@ def points_of(sample: Sample, model: Model) -> tuple[Truth, Points]:
     return known, Points(np.clip(place, 0.0, 1.0), known.exact.sdg[standing])
 
 
-def ours(model: Model, known: Truth, span: float) -> dict[str, list[Result]]:
+def ours(model: Model, known: Expected, span: float) -> dict[str, list[Result]]:
     """Measure what each codec tried on the common sample.
 
     The tip angle is always held, and so is the height; where the guard says "tips" there is no

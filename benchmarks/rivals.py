@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.truth.model import Model
+from firmware_export.model.exact import Model
 from lutgen.recipe.kinematics import postures
 from lutgen.vector import Floats
 

@@ -11,13 +11,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from firmware_export.certify.answers import Measured, Truth, device, span_of, statistics, truth
+from firmware_export.certify.answers import (
+    Expected,
+    Measured,
+    device,
+    expected,
+    span_of,
+    statistics,
+)
 from firmware_export.certify.certificate import bounded, judged_by
 from firmware_export.certify.jumps import largest_jump
 from firmware_export.emit import code_bytes, flash_bytes
+from firmware_export.model import Model, biased, uniform
 from firmware_export.protocol import Aim, Codec, Export
 from firmware_export.quantity import ErrorBound
-from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
 
 SEED, POINTS = 501, 15_000
@@ -108,11 +115,11 @@ class Trials:
         self.jump = largest_jump(model, SEED)
 
     @cached_property
-    def sample(self) -> list[Truth]:
+    def sample(self) -> list[Expected]:
         """The sample: uniform points, then biased ones."""
         integer = self.arithmetic == "integer"
         return [
-            truth(self.model, points(self.model, POINTS, SEED), integer)
+            expected(self.model, points(self.model, POINTS, SEED), integer)
             for points in (uniform, biased)
         ]
 

@@ -2,8 +2,8 @@
 
 from firmware_export.contacts import INFO as CONTACTS
 from firmware_export.grid import LOOKUP, TABLE
+from firmware_export.model import Model
 from firmware_export.protocol import Codec
-from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
 
 # In the order in which they are tried: the first are smallest for what they can hold.

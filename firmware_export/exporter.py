@@ -13,9 +13,9 @@ from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
+from firmware_export.model import Model
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
-from firmware_export.truth import Model
 from lutgen.channels import refuse_forces
 from lutgen.errors import ExportError, InputError
 from lutgen.mapping import TO_STAND, StabilityMap, load_map

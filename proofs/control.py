@@ -16,8 +16,8 @@ import numpy as np
 from firmware_export.codecs import usable
 from firmware_export.control import PolicyOptions, steered
 from firmware_export.host import BLIND, ESCAPES, Controller, budget
+from firmware_export.model import Model
 from firmware_export.protocol import Blob, Policy, describe
-from firmware_export.truth import Model
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe

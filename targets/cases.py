@@ -9,8 +9,8 @@ from typing import Any
 from firmware_export.codecs import usable
 from firmware_export.emit import package
 from firmware_export.grid import lookup
+from firmware_export.model import Model
 from firmware_export.protocol import Export
-from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.recipe.gallery import KINDS, start_recipe

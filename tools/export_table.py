@@ -18,7 +18,7 @@ from firmware_export.contacts import codec as contacts
 from firmware_export.emit import package
 from firmware_export.exporter import guarded
 from firmware_export.grid import lookup
-from firmware_export.truth.model import Model
+from firmware_export.model.exact import Model
 from lutgen.quantities import EXPORTABLE
 from targets.cases import TABLES, recipe_of
 from targets.pages import EXPORTS, between

@@ -1,4 +1,4 @@
-"""How far an export is from the truth, and that it is never falsely safe.
+"""how far an export is from the exact model, and that it is never falsely safe.
 
 In reading order: `answers`, `jumps`, `attack`, `certificate`.
 """

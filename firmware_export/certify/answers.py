@@ -1,7 +1,7 @@
 """Ask an export at given points, beside what is true there.
 
 Points become queries that the target can be asked: single precision, or the integers of
-smap_read_i.  The truth is computed at the query itself, so that rounding a point is no error.
+smap_read_i.  Exact answers are computed at the query itself, so that rounding a point is no error.
 """
 
 import math
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.host import FULL_SCALE, STANDS, Host, in_units
+from firmware_export.model import Exact, Model, Sample
 from firmware_export.protocol import Export, describe
-from firmware_export.truth import Exact, Model, Sample
 from lutgen.arrays import Bools, Floats
 from lutgen.errors import ExportError
 
@@ -39,8 +39,8 @@ class Answers(NamedTuple):
     height: Floats
 
 
-class Truth(NamedTuple):
-    """Queries `params` (m, k) and `gravity` (m, d, 3), what they stand for, and what is true there.
+class Expected(NamedTuple):
+    """Queries `params` (m, k) and `gravity` (m, d, 3), what they stand for, exactly.
 
     The queries are float32, or int16 as smap_read_i takes them; `sample` has the same in rad or
     length, and `exact` is computed from that.
@@ -53,7 +53,7 @@ class Truth(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A sample, the answers to it and the truth."""
+    """A sample, the answers to it and the exact ones."""
 
     sample: Sample
     answers: Answers
@@ -99,17 +99,17 @@ def in_steps(model: Model, params: Floats) -> tuple[NDArray[np.int16], Floats]:
     return q, model.at(q / FULL_SCALE)
 
 
-def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
-    """Return the queries nearest to a sample, and the truth at the queries."""
+def expected(model: Model, sample: Sample, integer: bool = False) -> Expected:
+    """Return the queries nearest to a sample, and the exact answers to them."""
     params, gravity = sample
     if integer:
         q, near = in_steps(model, params)
         g = np.rint(gravity * FULL_SCALE).astype(np.int16)
-        asked = Sample(near, g.astype(np.float64))
-        return Truth(q, g, asked, model.exact(*asked))
+        queries = Sample(near, g.astype(np.float64))
+        return Expected(q, g, queries, model.exact(*queries))
     single = params.astype(np.float32), gravity.astype(np.float32)
-    asked = Sample(*(array.astype(np.float64) for array in single))
-    return Truth(*single, asked, model.exact(*asked))
+    queries = Sample(*(array.astype(np.float64) for array in single))
+    return Expected(*single, queries, model.exact(*queries))
 
 
 class Reader:
@@ -122,11 +122,11 @@ class Reader:
         self.model, self.read, self.steps = model, read, steps
 
     def measure(self, sample: Sample) -> Measured:
-        """Compute the truth of a sample and ask about its points."""
-        return self.compare(truth(self.model, sample, self.steps is not None))
+        """Compute the exact answers to a sample and ask about its points."""
+        return self.compare(expected(self.model, sample, self.steps is not None))
 
-    def compare(self, known: Truth) -> Measured:
-        """Ask queries whose truth is known."""
+    def compare(self, known: Expected) -> Measured:
+        """Ask queries whose exact answers are known."""
         m, d = known.gravity.shape[:2]
         rows = np.repeat(known.params, d, axis=0)
         status, reading = self.read(rows, known.gravity.reshape(-1, 3))
@@ -145,7 +145,7 @@ def device(export: Export) -> Reader:
     return Reader(export.model, host.read)
 
 
-def span_of(seen: Sequence[Measured] | Sequence[Truth], channel: str) -> float:
+def span_of(seen: Sequence[Measured] | Sequence[Expected], channel: str) -> float:
     """Return the range of a channel over the points that stand; 0 where it changes by rounding."""
     exact = [one.exact for one in seen]
     values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.certify.answers import Measured, Reader, Witness
-from firmware_export.truth import Sample, cross_boundary, on_chart, unit
+from firmware_export.model import Sample, cross_boundary, on_chart, unit
 from lutgen.vector import Floats
 
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
@@ -154,8 +154,8 @@ def worst_false_safe(
 ) -> Found:
     """Search for a point that is said to stand where the robot tips.
 
-    It starts where the answer exceeds the truth most close to the boundary, and where the answer
-    is nearest to safe among points that tip.  First the excess is maximised, which has no edge at
+    It starts where the answer exceeds the exact one most near the boundary, and where the answer is
+    nearest to safe among points that tip.  First the excess is maximised, which has no edge at
     the boundary to be held up by, then the answer itself on the side that tips.
     """
     begin = starts(seen, (_excess, _clearance), count)

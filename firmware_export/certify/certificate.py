@@ -16,8 +16,8 @@ import numpy as np
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
 from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
 from firmware_export.certify.jumps import largest_jump
+from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
-from firmware_export.truth import Cells, biased, uniform
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
 
@@ -210,7 +210,7 @@ def _about_jumps(
 def put_to_test(
     reader: Reader, channels: Sequence[str], bound: ErrorBound | None, points: int, seed: int
 ) -> Certificate:
-    """Compare a trained table with the truth on `TIMES` as many points, or until one is wrong.
+    """Compare a trained table with exact answers at `TIMES` as many points, or until one is wrong.
 
     Then the table is lowered, and other points judge it.
     """
@@ -259,13 +259,13 @@ def put_to_test(
 
 
 def _about_test(lost: Floats, points: int) -> tuple[str, ...]:
-    """Return what people should know beside the numbers; `lost` is below 0 above the truth."""
+    """Return what people should know beside the numbers; `lost` is below 0 above the exact ones."""
     half, most = np.degrees(np.quantile(lost, [0.5, 0.9])) if len(lost) else (0.0, 0.0)
     above = 100.0 * float(np.mean(lost < -1e-9)) if len(lost) else 0.0
     worst = math.degrees(-float(lost.min(initial=0.0)))
     return (
         f"tip_angle: half of the angles are low by less than {half:.2g} deg, 9 of 10 by less than "
-        f"{most:.2g} deg, and above 30 deg it says 30; {above:.2g} % are above the truth, by "
+        f"{most:.2g} deg, and above 30 deg it says 30; {above:.2g} % are above the exact ones, by "
         f"{worst:.2g} deg at most.",
         f"Tested, not proved: of {points:,} fresh points, half of them beside the boundary, none "
         f"was falsely safe; that excludes a rate above {EXCLUDED / points:.1g}.",

@@ -6,7 +6,7 @@ interpolates can bound its largest error there.
 
 import numpy as np
 
-from firmware_export.truth import Model, uniform_directions, uniform_params, unit
+from firmware_export.model import Model, uniform_directions, uniform_params, unit
 from lutgen.vector import Floats
 
 # Halvings after which the first and the second difference is taken.  From pairs about 1 apart the

@@ -18,9 +18,9 @@ from firmware_export.contacts.series import Series, most_off, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
+from firmware_export.model import Cells, Model, least_edge_of, rounds
 from firmware_export.protocol import ANY, Aim, CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 

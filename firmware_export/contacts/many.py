@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firmware_export.model import Model
 from firmware_export.protocol import CArray
-from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
 from lutgen.recipe import robot_size_of
 from lutgen.support import DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from firmware_export.truth import Model, chebyshev_nodes, chebyshev_transform, combinations, widened
+from firmware_export.model import Model, chebyshev_nodes, chebyshev_transform, combinations, widened
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from firmware_export.contacts.pieces import MOST_PARAMETERS, pieces_of
 from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
 from firmware_export.host import Host
+from firmware_export.model import Model, combinations, widened
 from firmware_export.protocol import CArray
-from firmware_export.truth import Model, combinations, widened
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from firmware_export.contacts.closed import Sum, closed_form, factors_of
+from firmware_export.model import sensor_tolerance
 from firmware_export.protocol import CArray
-from firmware_export.truth import slack
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
@@ -158,7 +158,9 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
             f"than the {MOST_ENTRIES} and {MOST_COORDINATES} of the runtime; use --codec grid"
         )
     ends = [(recipe.parameters[p], rate) for p, rate in angles]
-    reach = max((rate * (max(-p.minimum, p.maximum) + slack(p)) for p, rate in ends), default=0.0)
+    reach = max(
+        (rate * (max(-p.minimum, p.maximum) + sensor_tolerance(p)) for p, rate in ends), default=0.0
+    )
     return Terms(
         tuple(angles),
         tuple(travels),
@@ -230,7 +232,7 @@ def _error(recipe: Recipe, sums: Sequence[Sum], moving: bool) -> float:
                 if kind == "t":
                     parameter = recipe.parameters[p]
                     ends = abs(parameter.minimum), abs(parameter.maximum)
-                    bound *= max(ends) + slack(parameter)
+                    bound *= max(ends) + sensor_tolerance(parameter)
             off = sum(SINE_ERROR for kind, *_ in monomial if kind != "t")
             off += HALF_UNIT * (count + 2 * len(monomial) + 3)
             total += float(np.sqrt((value**2).sum())) * bound * off

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.truth import Model, combinations, least_edge_of, rounds
+from firmware_export.model import Model, combinations, least_edge_of, rounds
 from lutgen.channels import acceptance_of
 from lutgen.vector import Floats
 

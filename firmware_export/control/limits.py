@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.truth import Model, combinations
+from firmware_export.model import Model, combinations
 from lutgen.channels import body_gravity
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats

@@ -13,8 +13,8 @@ import numpy as np
 
 from firmware_export.control.limits import limits_of
 from firmware_export.control.table import between, polished, smooth
+from firmware_export.model import Model, combinations
 from firmware_export.protocol import Joint, Policy
-from firmware_export.truth import Model, combinations
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.vector import Floats

@@ -18,8 +18,8 @@ from firmware_export.device import ExportFolder
 from firmware_export.emit import check_directory, default_name, write
 from firmware_export.exporter import ExportOptions, certified
 from firmware_export.host import Controller
+from firmware_export.model import Model
 from firmware_export.protocol import Blob, Export, describe
-from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
 from lutgen.recipe import Recipe
@@ -65,7 +65,7 @@ def policy(
 class Steering:
     """A robot, its map and its policy as bytes.
 
-    The truth comes from the recipe; `cycle` and `latency` (s) and `rates` (k,), changes in a
+    Exact answers come from the recipe; `cycle` and `latency` (s) and `rates` (k,), changes in a
     second, are the policy's; `codec` is the map's.
     """
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from firmware_export.emit.names import macro
 from firmware_export.emit.size import counted, flash_bytes
+from firmware_export.model import sensor_tolerance
 from firmware_export.protocol import VERSION, Export, describe, turns
-from firmware_export.truth import slack
 from lutgen._version import __version__
 from lutgen.files import plain
 from lutgen.parts import Parameter
@@ -81,7 +81,7 @@ def report(export: Export) -> dict[str, Any]:
                 "display_unit": parameter.display_unit,
                 "min": low,
                 "max": high,
-                "slack": None if turns(model, index) else slack(parameter),
+                "slack": None if turns(model, index) else sensor_tolerance(parameter),
                 "meaning": _movement(parameter, recipe),
             }
             for index, (parameter, name, low, high) in enumerate(

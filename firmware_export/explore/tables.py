@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from firmware_export.codecs import codec
 from firmware_export.contacts import drawn_tables
 from firmware_export.device import ExportFolder
+from firmware_export.model import Model
 from firmware_export.protocol import Blob, Export, describe
-from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe

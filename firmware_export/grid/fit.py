@@ -26,7 +26,7 @@ from firmware_export.grid.train import (
     Lattice,
     Points,
 )
-from firmware_export.truth import Model, Sample, biased, on_chart, uniform_directions, unit
+from firmware_export.model import Model, Sample, biased, on_chart, uniform_directions, unit
 from lutgen.arrays import Floats, Singles
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
@@ -65,7 +65,7 @@ class Lesson:
     """Samples from which the tables of a robot learn.
 
     It stands between the places `low` and `high` (2,) of v and u alone; `block` (6,) is the block
-    that holds the codes of each face, -1 where nothing stands; `lengths` are the truth (n,) of
+    that holds the codes of each face, -1 where nothing stands; `lengths` are the exact (n,)
     ``sdg`` and ``height`` at the `points`, which are in random order.
     """
 
@@ -176,7 +176,7 @@ def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) 
 def _lower(
     lesson: Lesson, values: Singles, lattice: Lattice, params: Floats, gravity: Floats, at: Points
 ) -> Found:
-    """Lower codes in place at points, which have no truth yet; return those falsely safe."""
+    """Lower codes in place at points, which have no exact answer yet; return those falsely safe."""
     tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
     said = train.read(values, at, lattice).reshape(tip.shape)
     row, column = np.nonzero((tip < 0.0) & (said >= STANDS))
@@ -213,11 +213,11 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
 
 def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tuple[Singles, float]:
     """Return the codes of a length, whole numbers, and the length of one."""
-    truth, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
-    known = np.flatnonzero(np.isfinite(truth))
-    step = float(truth[known].max()) / LARGEST or 1.0
+    expected, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
+    known = np.flatnonzero(np.isfinite(expected))
+    step = float(expected[known].max()) / LARGEST or 1.0
     held = lesson.points
-    points = Points(held.x[known], held.block[known], truth[known] / np.float32(step))
+    points = Points(held.x[known], held.block[known], expected[known] / np.float32(step))
     values = np.full(blocks * int(np.prod(lattice.nodes)), points.aim.mean(), np.float32)
     course = Course(STEPS_LENGTHS, RATE, SQUARES, SQUARES, 0.0)
     values = train.descend(values, points, lattice, course, rng)
@@ -228,10 +228,10 @@ def length_error(lesson: Lesson, lattice: Lattice) -> float:
     """Return p99 of the error of |SD_g| in percent of its range, of a table of this size."""
     values, step = train_length(lesson, lattice, int(lesson.block.max()) + 1, "sdg")
     some = lesson.points.some(JUDGED)
-    truth = lesson.lengths["sdg"][:JUDGED]
-    error = np.abs(train.read(values, some, lattice) * step - truth)
+    expected = lesson.lengths["sdg"][:JUDGED]
+    error = np.abs(train.read(values, some, lattice) * step - expected)
     return 100.0 * float(
-        np.nanquantile(error, 0.99) / max(np.nanmax(truth) - np.nanmin(truth), 1e-300)
+        np.nanquantile(error, 0.99) / max(np.nanmax(expected) - np.nanmin(expected), 1e-300)
     )
 
 

@@ -15,17 +15,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.model import Model, sensor_tolerance, uniform_directions
 from firmware_export.protocol import turns
-from firmware_export.truth import Model, slack, uniform_directions
 from lutgen.arrays import Floats, Singles
 
 # The last place of an axis, and where u or v is 0.
 WHOLE, MIDDLE = 65535.0, 32768.0
 # Postures and directions by which a mirror image is judged, and how alike they have to be (rad).
 LOOKED, DIRECTIONS, ALIKE = 60, 40, 1e-6
-# Lines of the truth by which an axis is judged, and points of each.
+# Lines of exact answers by which an axis is judged, and points of each.
 LINES, ALONG = 320, 49
-# Knots are as dense as this power of the bend of the truth, and so much of it everywhere.
+# Knots are as dense as this power of the bend of exact answers, and so much of it everywhere.
 POWER, EVERYWHERE = 0.4, 0.3
 # Tip angles (rad) that matter for it.
 LOW, HIGH = math.radians(-5.0), math.radians(20.0)
@@ -110,7 +110,7 @@ def ground_of(model: Model) -> Ground:
     for i, p in enumerate(model.recipe.parameters):
         span = p.maximum - p.minimum
         comes = turns(model, i) and abs(span - 2.0 * math.pi) < 1e-6
-        room = 0.0 if comes else slack(p)
+        room = 0.0 if comes else sensor_tolerance(p)
         per = (WHOLE + comes) / (span + 2.0 * room)
         rate = round(span * per / 32767.0 * 2.0**14)
         wider.append(replace(p, minimum=p.minimum - room, maximum=p.maximum + room))
@@ -150,7 +150,7 @@ def _fold_of(plain: Ground) -> Fold | None:
 
 
 def bends(ground: Ground, lowest: Sequence[float], highest: Sequence[float]) -> Floats:
-    """Return how much the truth bends along each axis (k + 2, ALONG), from place to place.
+    """Return how much exact answers bend along each axis (k + 2, ALONG), from place to place.
 
     `lowest` and `highest` (2,) are the box of v and u; a row has the power with which knots go.
     """

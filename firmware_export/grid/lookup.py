@@ -21,9 +21,9 @@ from firmware_export.grid.points import (
     reach_of,
     turned,
 )
+from firmware_export.model import Cells, Model, least_edge_of, rounds, sensor_tolerance, widened
 from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
 
 # Its number in runtime/smap_map.h; words of a pose: head, floats and integers, and without floats.
 TABLES, POSE, POSE_I = 3, (1 + 20 + 8, 1 + 8), (1 + 8, 1 + 8)
@@ -100,7 +100,7 @@ class Tables(AnyTables):
         """Return the knots of the tables."""
         knots = []
         for axis, p in enumerate(model.recipe.parameters):
-            room = slack(p) / (p.maximum - p.minimum)
+            room = sensor_tolerance(p) / (p.maximum - p.minimum)
             counts = [n[axis] for n in self.spec.nodes]
             t = np.linspace(0.0, 1.0, max(*counts, 2)) * (1.0 + 2.0 * room) - room
             knots.append(np.unique(np.clip(t, 0.0, 1.0)))
@@ -159,7 +159,7 @@ class Lookup(Codec):
         guard = ROUNDING + turned(wide, order, points) + (math.asin(off) if off < 1.0 else math.pi)
         places = []
         for p in model.recipe.parameters:
-            room, span = slack(p), p.maximum - p.minimum
+            room, span = sensor_tolerance(p), p.maximum - p.minimum
             whole = span + 2.0 * room
             first, rate = round(room / whole * 65536.0), round(span / whole * 2.0**30 / 32767.0)
             places.append((p.minimum - room, 1.0 / whole, first, rate))

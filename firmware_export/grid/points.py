@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import interpn
 
-from firmware_export.truth import Model, combinations, widened
+from firmware_export.model import Model, combinations, widened
 from lutgen.vector import Floats
 
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.

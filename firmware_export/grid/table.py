@@ -15,9 +15,9 @@ from firmware_export.grid import fit
 from firmware_export.grid.ground import Fold, Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice
+from firmware_export.model import Model, Sample
 from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Model, Sample
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
 

@@ -14,7 +14,7 @@ from lutgen.jit import njit
 
 # The sine of a tip angle of 0 and of 30 deg as codes; codes of a sine of 1; the largest code.
 STANDS, MOST, SCALE, LARGEST = 100.0, 250.0, 300.0, 255.0
-# Codes by which the truth at a point is held off: 0.1 deg.
+# Codes by which the exact code at a point is held off: 0.1 deg.
 GUARD = 0.5
 # The cost of a reading too low where the verdict is lost with it, and up to which code it is;
 # the cost of one too high at first and at last.
@@ -48,7 +48,7 @@ class Points(NamedTuple):
 
 
 class Course(NamedTuple):
-    """How codes are trained: `guard` is by how many a reading must be below the truth.
+    """How codes are trained: `guard` is by how many a reading must be below the exact code.
 
     A reading too high costs `first` to `last`, `SQUARES` where squares are minimised.
     """
@@ -143,7 +143,7 @@ def descend(
 
 @njit()
 def lower(values: Singles, points: Points, lattice: Lattice, whole: bool, least: float) -> int:
-    """Lower codes in place until no point is read above its truth; return the false safes met.
+    """Lower codes in place until no point is read above its exact code; return the false safes met.
 
     Each goes down by the least change that does; a point that tips to `least` below STANDS.
     """

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from firmware_export.model import Model, sensor_tolerance
 from firmware_export.protocol.codec import CArray, Export
-from firmware_export.truth import Model, slack
 
 # SMAP_VERSION of the runtime.
 VERSION = 3
@@ -106,19 +106,17 @@ def _axes(model: Model) -> Iterator[CArray]:
     """Return the arrays of the parameters' axes."""
     for index, parameter in enumerate(model.recipe.parameters):
         round_ = turns(model, index)
-        room = -1.0 if round_ else slack(parameter)
+        room = -1.0 if round_ else sensor_tolerance(parameter)
         span = parameter.maximum - parameter.minimum
         steps = math.floor(max(room, 0.0) / span * 32767.0)
         exact = round_ and abs(span - TURN) < 1e-6
         ends = [parameter.minimum, parameter.maximum, room]
-        comment = (
-            f"{parameter.name}, {parameter.unit}: ends, slack (-1: it turns all the way round)"
-        )
-        yield CArray(f"axis {index}", "float", ends, comment)
+        about = f"{parameter.name}, {parameter.unit}: ends, sensor tolerance (-1: it turns round)"
+        yield CArray(f"axis {index}", "float", ends, about)
         yield CArray(
             *(f"axis {index} in steps", "uint16_t"),
             [65535 if exact else min(steps, 32767)],
-            "slack (65535: it turns)",
+            "sensor tolerance (65535: it turns)",
         )
 
 

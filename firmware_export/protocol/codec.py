@@ -9,8 +9,8 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from firmware_export.model import Cells, Model
 from firmware_export.protocol.policy import Policy
-from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats

@@ -13,8 +13,8 @@ from pathlib import Path
 from firmware_export.codecs import usable
 from firmware_export.device import ExportFolder
 from firmware_export.grid import lookup
+from firmware_export.model.exact import Model
 from firmware_export.protocol import describe
-from firmware_export.truth.model import Model
 from lutgen.recipe import Recipe, load_recipe
 from proofs.prove.held import CannotProveError
 from proofs.prove.search import prove

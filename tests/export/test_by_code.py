@@ -12,7 +12,7 @@ from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
-from firmware_export.truth import Model, rounds, widened
+from firmware_export.model import Model, rounds, widened
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of

@@ -7,13 +7,13 @@ import pytest
 
 import lutgen
 from firmware_export.certify import certificate as certifying
-from firmware_export.certify.answers import Reader, span_of, truth
+from firmware_export.certify.answers import Reader, expected, span_of
 from firmware_export.certify.attack import sdg_error
 from firmware_export.certify.certificate import certify
 from firmware_export.certify.jumps import largest_jump
+from firmware_export.model.exact import Model
+from firmware_export.model.sample import biased, uniform
 from firmware_export.quantity import ErrorBound
-from firmware_export.truth.model import Model
-from firmware_export.truth.sample import biased, uniform
 from lutgen.errors import ExportError
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -27,7 +27,7 @@ GUARD = 1e-4
 
 
 def reader(model, answer, guard=GUARD):
-    """Return a smap_read that answers a function of the truth, less a guard."""
+    """Return a smap_read that answers a function of the exact answer, less a guard."""
 
     def read(params, gravity):
         exact = model.exact(params.astype(np.float64), gravity[:, None].astype(np.float64))
@@ -206,7 +206,7 @@ def test_a_height_that_changes_by_rounding_alone_has_no_range():
     # A car on four equal wheels: its com keeps its height in every posture, but for 1e-17 m.
     points = [(x, y, -0.3) for x in (-0.4, 0.3) for y in (-0.2, 0.2)]
     model = Model(lutgen.parse_recipe(rigid(feet(points))))
-    seen = truth(model, uniform(model, 1000, 7))
+    seen = expected(model, uniform(model, 1000, 7))
     for noise, span in ((1e-17, 0.0), (1e-6, 1e-6)):
         height = 0.3 + noise * (np.arange(seen.exact.height.size) % 2)
         exact = seen.exact._replace(height=height.reshape(seen.exact.height.shape))

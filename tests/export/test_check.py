@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from firmware_export.host import RUNTIME, Host
+from firmware_export.model import Model
 from firmware_export.protocol import Blob, describe
-from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import compile_c
 from tests.fixtures.exports import coded_export, rover_export, tripod_export

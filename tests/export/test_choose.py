@@ -13,7 +13,7 @@ import lutgen
 from firmware_export import choose as chooser
 from firmware_export.choose import Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec, named, usable
-from firmware_export.truth.model import Model
+from firmware_export.model.exact import Model
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import rover, tripod

@@ -10,8 +10,8 @@ from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.many import many_of, order_of, shown_contacts
 from firmware_export.exporter import examine, guarded
+from firmware_export.model import Model
 from firmware_export.protocol import describe
-from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import gallery_names, parse_recipe, robot_size_of
 from tests.fixtures.exports import host_of

@@ -9,8 +9,8 @@ import pytest
 from firmware_export.contacts import INFO as contacts
 from firmware_export.control import maker
 from firmware_export.host import BLIND, Controller
+from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
-from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
 from proofs.control import (

@@ -5,7 +5,7 @@ import pytest
 
 from firmware_export.codecs import usable
 from firmware_export.emit import package
-from firmware_export.truth import Model
+from firmware_export.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import STRICT, HostLibrary, compile_c

@@ -14,9 +14,9 @@ from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
 from firmware_export.grid.points import bounds, reach_of
 from firmware_export.host import Host, in_units
+from firmware_export.model import biased, least_edge_of, uniform
+from firmware_export.model.exact import Model
 from firmware_export.protocol import describe
-from firmware_export.truth import biased, least_edge_of, uniform
-from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe

@@ -8,7 +8,7 @@ import pytest
 from firmware_export.contacts import INFO
 from firmware_export.emit import package
 from firmware_export.host.reader import READING
-from firmware_export.truth import Model, slack
+from firmware_export.model import Model, sensor_tolerance
 from lutgen.recipe import forward, load_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.exports import coded_export, host_of, rover_export, tripod_export
@@ -158,7 +158,7 @@ def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_furth
     model, host = export.model, host_of(export)
     _, gravity = some(model, 500, 2)
     for axis, parameter in enumerate(model.recipe.parameters):
-        room = slack(parameter)
+        room = sensor_tolerance(parameter)
         for end, way in ((parameter.minimum, -1.0), (parameter.maximum, 1.0)):
             row = model.at(np.full(model.k, 0.3))
             row[axis] = end + way * 0.9 * room

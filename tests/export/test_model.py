@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.truth import least_edge_of, widened
-from firmware_export.truth.model import Model
-from firmware_export.truth.sample import biased, on_chart, uniform
+from firmware_export.model import least_edge_of, widened
+from firmware_export.model.exact import Model
+from firmware_export.model.sample import biased, on_chart, uniform
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
@@ -115,7 +115,7 @@ def test_a_facet_that_is_no_rest_everywhere_has_no_bound(text):
 
 def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found():
     # paper_two's facet leans most, 26 deg, where one leg is level and the other fully down.
-    # The box, and as far beyond its ends as a sensor's slack goes.
+    # The box, and as far beyond its ends as a sensor's tolerance goes.
     wider = widened(model(PAPER_TWO))
     ends = [(one.minimum, one.maximum) for one in wider.recipe.parameters]
     where = wider.postures(np.array(list(itertools.product(*ends)))).centres

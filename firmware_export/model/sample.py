@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.truth.crossing import cross_boundary, unit
-from firmware_export.truth.model import Model
+from firmware_export.model.crossing import cross_boundary, unit
+from firmware_export.model.exact import Model
 from lutgen.arrays import Bools, Floats
 
 # A direction of the rim comes back from its unit vector within a few 1e-16.

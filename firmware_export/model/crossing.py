@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from firmware_export.truth.model import Model
+from firmware_export.model.exact import Model
 from lutgen.channels import (
     Setting,
     acceptance_of,

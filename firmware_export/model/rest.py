@@ -21,7 +21,7 @@ from itertools import product
 import numpy as np
 from numpy.polynomial.chebyshev import chebval, chebvander
 
-from firmware_export.truth.model import Model, combinations, widened
+from firmware_export.model.exact import Model, combinations, widened
 from lutgen.channels import acceptance_of
 from lutgen.vector import Floats
 
@@ -33,7 +33,7 @@ MOST_CELLS = 300_000
 
 @lru_cache(maxsize=4)
 def least_edge_of(model: Model) -> float:
-    """Return a lower bound of any edge normal's length over the box, and a sensor's slack beyond.
+    """Return a lower bound of any edge normal's length over the box, and as far as sensors err.
 
     0 where there is none, or where the three contacts' facet is not a rest everywhere.
     """

@@ -16,7 +16,7 @@ from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.vector import Floats
 
 # Slack of a sensor beyond the ends of an axis: rad, and parts of an axis of lengths.
-SLACK, SLACK_SHARE = math.radians(0.5), 0.005
+SENSOR_TOLERANCE, TOLERANCE_SHARE = math.radians(0.5), 0.005
 
 
 def combinations(axes: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -93,10 +93,10 @@ class Model:
         return Exact(**measure_recipe(self.recipe, where, directions, names))
 
 
-def slack(parameter: Parameter) -> float:
+def sensor_tolerance(parameter: Parameter) -> float:
     """Return how far beyond the ends of its axis a parameter is still read (rad or length)."""
     span = parameter.maximum - parameter.minimum
-    return min(SLACK, span) if parameter.unit == "rad" else SLACK_SHARE * span
+    return min(SENSOR_TOLERANCE, span) if parameter.unit == "rad" else TOLERANCE_SHARE * span
 
 
 @lru_cache(maxsize=8)
@@ -104,7 +104,7 @@ def widened(model: Model) -> Model:
     """Return the model over its box and what sensors may say beyond its ends."""
     recipe = model.recipe
     wider = tuple(
-        replace(p, minimum=p.minimum - slack(p), maximum=p.maximum + slack(p))
+        replace(p, minimum=p.minimum - sensor_tolerance(p), maximum=p.maximum + sensor_tolerance(p))
         for p in recipe.parameters
     )
     return Model(replace(recipe, parameters=wider))
