@@ -101,17 +101,14 @@ def _require_inside(name: str, file: h5py.File, channel: str, recipe: Recipe) ->
 
     HDF5 lets a file point at others; a map must not return bytes of a file that its maker named.
     """
-    shape = (*recipe.grid.shape, *recipe.chart.shape)
     link = file.get(channel, getlink=True)
-    found = file[channel] if isinstance(link, h5py.HardLink) else None
-    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external:
-        what = "nothing" if link is None else "a link, a group or values in another file"
-    elif found.shape != shape:
-        what = f"the shape {found.shape}, not {shape}"
-    elif not np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind"):
-        what = f"the type {found.dtype}"
-    elif not found.id.get_storage_size():
-        what = "a variable without values"
-    else:
-        return
-    raise MapFileError(f"{name}: channel {channel} is not in the file (got {what}); sweep it again")
+    found = file[channel] if isinstance(link, h5py.HardLink) else link
+    inside = isinstance(found, h5py.Dataset) and not (found.is_virtual or found.external)
+    if not (
+        inside
+        and found.shape == (*recipe.grid.shape, *recipe.chart.shape)
+        and np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind")
+        and found.id.get_storage_size()
+    ):
+        what = "is not in the file as its recipe says"
+        reject(f"{name}: channel {channel}", what, found, "sweep it again", MapFileError)

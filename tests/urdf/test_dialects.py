@@ -32,21 +32,6 @@ def test_a_quaternion_turns_as_the_angles_do():
         assert com.tolist() == pytest.approx([0.0, 0.0, 2.0 / 15.0])
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('rpy="0 -1', 'quat_xyzw="0 0 0 1" rpy="0 -1', "has no turn as quat_xyzw"),
-        (RPY, 'quat_xyzw="0 0 0 0"', "has no turn as quat_xyzw"),
-        (RPY, 'quat_wxyz="1 0 0 0"', "unknown attribute quat_wxyz"),
-        ("<robot", '<robot version="2.0"', "has a version that is not known (got '2.0')"),
-    ],
-)
-def test_a_turn_or_version_that_is_not_understood_is_refused(old, new, said):
-    with pytest.raises(RecipeError) as caught:
-        parse_urdf(robot(ARM, SHOULDER).replace(old, new))
-    assert said in str(caught.value)
-
-
 def test_whatever_the_format_does_not_have_is_named():
     odd = "<origin xyz='1 0 0'/><extra/><extra/>"
     text = robot(ARM.replace('<link name="arm">', f'<link name="arm">{odd}'), SHOULDER)

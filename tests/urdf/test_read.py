@@ -74,6 +74,8 @@ def turning(inside):
     return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
 
 
+ZEROS = robot(PAIR, TWO)
+TURNS = ('quat_xyzw="0 0 0 1" rpy="0 0 0"', 'quat_xyzw="0 0 0 0"')
 FAULTS = [
     (BOMB, "has a document type declaration"),
     (OUTSIDE, "has a document type declaration"),
@@ -123,6 +125,9 @@ FAULTS = [
     (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
     (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
     (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
+    *((ZEROS.replace('rpy="0 0 0"', turn), "no turn as quat_xyzw") for turn in TURNS),
+    (ZEROS.replace('rpy="0 0 0"', 'quat_wxyz="1 0 0 0"'), "unknown attribute quat_wxyz"),
+    (robot(PAIR, TWO).replace("<robot", '<robot version="2.0"'), "is not known (got '2.0')"),
 ]
 
 
