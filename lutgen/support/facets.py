@@ -106,7 +106,8 @@ def _begin(primitives: Floats, region: Region, limits: Limits) -> None:
     j, mask, level = tilt(
         primitives, contacts, (i, -1), 1 << i, normal, cross(across, normal), limits
     )
-    if j < 0:
+    # It may touch a third one at once.
+    if j < 0 or facet_at(primitives, region, level, mask, i, same)[0] >= 0:
         return
     arm = subtract(support_contact(primitives, j, level), support_contact(primitives, i, level))
     ahead = unit(cross(arm, level))

@@ -9,7 +9,9 @@ from scipy.optimize import nnls
 
 import lutgen
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import pack
+from lutgen.support import DISC, SPHERE, pack
+from lutgen.support.facets import SKEW
+from lutgen.support.primitive import POINT
 from tests.fixtures.odd_robots import odd_robot
 from tests.oracles.primitives import unit
 from tests.support.postures import (
@@ -20,6 +22,7 @@ from tests.support.postures import (
     drawn,
     exact,
     read,
+    rows_of,
 )
 
 LEVEL = np.array([[0.0, 0.0, -1.0]])
@@ -114,6 +117,19 @@ def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width, apart):
     assert (found[np.abs(np.sin(ways)) > 0.1] < 0.0).all()
     assert apart == 1.0 or (found < 0.0).all()
     assert down == pytest.approx(math.atan(min(x, y)), rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", [POINT, SPHERE, DISC])
+def test_a_facet_that_the_first_plane_meets_at_once_is_found(kind):
+    # The search begins at the corner in the direction of this skew plane, and tilts it level.
+    x, y = 10.0 * SKEW[0], 10.0 * SKEW[1]
+    centre = np.array([[x, y, -0.5], [-y, x, -0.5], [-x, -y, -0.5], [y, -x, -0.5]])
+    radius = 0.0 if kind == POINT else 0.05
+    rows = rows_of(centre, np.tile([0.0, 1.0, 0.0], (4, 1)), radius, kind)
+    got = read(rows, LEVEL)
+    assert got["status"].item() == 0
+    half = math.hypot(x, y) / math.sqrt(2.0)
+    assert got["tip_angle"].item() == pytest.approx(math.atan(half / (0.5 + radius)), abs=1e-12)
 
 
 def test_contacts_that_support_nothing_tip_in_every_direction():
