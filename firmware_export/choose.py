@@ -28,7 +28,7 @@ from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, InputError
 
 SEED, POINTS = 501, 15_000
-# Percent: what is aimed at when nothing is asked for.
+# Percent: the default aim.
 KNEE = ErrorBound(1.0, relative=True)
 # Share of the stable configurations that an export should report unsafe at most.
 MOST_FALSE_TIP = 0.05
@@ -95,16 +95,16 @@ class Goal:
         return math.inf if self.percent is None else self.percent / self.margin
 
     def holds(self, one: Candidate) -> bool:
-        """Whether a candidate is accurate enough."""
+        """Return True if a candidate is accurate enough."""
         return one.false_safe == 0 and one.error <= self.aim
 
     def fits(self, one: Candidate) -> bool:
-        """Whether a candidate is small enough."""
+        """Return True if a candidate is small enough."""
         return one.false_safe == 0 and (self.flash is None or one.total <= self.flash)
 
 
 class Trials:
-    """Encodes and measures candidates, each once; what it is made of is told in `Export`."""
+    """Encodes and measures candidates, each once; `Export` describes its parts."""
 
     def __init__(self, model: Model, name: str, channels: tuple[str, ...], arithmetic: str) -> None:
         self.model, self.name = model, name
@@ -196,7 +196,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     sizes = codec.sizes(trials.model, trials.channels, Aim(most, percent))
 
     def larger(spec: Any) -> bool:
-        """Tell whether sizes beyond this one are of use."""
+        """Return True if sizes beyond this one are of use."""
         one = trials.try_out(codec, spec)
         if one is None or one.total > ceiling:
             return False
@@ -247,7 +247,7 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
         ]
         got = "; ".join(said).rstrip(".") or f"{len(tried)} candidates without an answer"
         return ExportError(
-            f"{where}: no codec could encode the robot (got {got}); ask for another codec."
+            f"{where}: no codec could encode the robot (got {got}); choose another codec."
         )
     asked, nearest = [], []
     if goal.flash is not None:
@@ -267,6 +267,6 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
     return ExportError(
-        f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
+        f"{where}: no export meets the request (got {' and '.join(asked)}); the nearest that "
         f"can be had: {'; '.join(nearest)}."
     )

@@ -42,6 +42,6 @@ def usable(model: Model, arithmetic: str, name: str = "auto") -> list[Codec]:
         why = "; ".join(dict.fromkeys(str(reason).rstrip(".") for reason in reasons.values()))
         raise ExportError(
             f"{model.recipe.source}: no codec can hold this robot (got codec {name!r}, arithmetic "
-            f"{arithmetic!r}: {why}); ask for another codec or arithmetic."
+            f"{arithmetic!r}: {why}); choose another codec or arithmetic."
         )
     return found

@@ -1,4 +1,4 @@
-"""An export folder that is asked: by the tables in its report, nothing is compiled."""
+"""An export folder that is read: by the tables in its report, nothing is compiled."""
 
 import os
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ class ExportFolder:
     Raises
     ------
     InputError
-        If the folder is none of an export, its C file was changed, or its report holds no tables.
+        If the folder is not an export, its C file was changed, or its report holds no tables.
     """
 
     def __init__(self, directory: str | os.PathLike[str]) -> None:
@@ -55,7 +55,7 @@ class ExportFolder:
     def read(
         self, params: Sequence[float], gravity: Sequence[float]
     ) -> tuple[str, dict[str, float]]:
-        """Ask the C for one point: params (k,), also beyond the axes, and gravity (3,), down.
+        """Query the C at one point: params (k,), also beyond the axes, and gravity (3,), down.
 
         Returns the status without its SMAP_, and the channels in rad and length: NaN where the map
         does not hold one.

@@ -31,7 +31,7 @@ ATTEMPTS = 6
 WIDER, LOWERED, WIDEST = 3, 40, 5e-3
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
-# Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
+# Bytes of the export that is made without a request if nothing reaches the knee.
 ROOM = 64 * 1024
 
 
@@ -50,7 +50,7 @@ class ExportOptions:
 
 
 class Report(dict[str, Any]):
-    """The content of NAME_report.json, with the numbers most asked for as attributes."""
+    """The content of NAME_report.json, with the numbers most used as attributes."""
 
     @property
     def bytes(self) -> int | None:
@@ -108,20 +108,20 @@ def export(
         |SD_g| jumps it is the 99th percentile that is held.
         With `flash` both must hold; with neither the recipe's [export] counts, and without that 1%.
     channels : sequence of str, optional
-        Of ``"sdg"``, ``"tip_angle"`` and ``"height"``, those of the recipe by default;
+        Some of ``"sdg"``, ``"tip_angle"`` and ``"height"``, those of the recipe by default;
         ``"tip_angle"`` is always there.
     codec : str
         ``"auto"``, or the only codec that may be used.
     arithmetic : str
         ``"integer"`` for targets without floating point.
     allow_python : bool
-        Whether a recipe file may run the code that its `python` key names.
+        True if a recipe file may run the code that its `python` key names.
     points : int
         Points of the certificate.
     progress : callable, optional
         Called with a text for people before each step.
     force : bool
-        Whether files that lutgen did not make, or that were edited, may be replaced.
+        True if files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def export(
     InputError
         For arguments that mean nothing, and channels that the recipe does not hold.
     ExportError
-        If nothing meets what is asked for, or the folder cannot be written.
+        If nothing meets the request, or the folder cannot be written.
     """
     tell = progress or log.debug
     check_directory(directory, force)
@@ -242,7 +242,7 @@ def _certified(
     points: int,
     tell: Callable[[str], None],
 ) -> tuple[Candidate, Certificate]:
-    """Return the best candidate whose certificate says what was asked for, and that."""
+    """Return the best candidate whose certificate meets the request, and that."""
     goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)

@@ -50,7 +50,7 @@ BOUNDS: dict[str, Bound] = {
 def check(value: int, bound: Bound, where: str, way_out: str) -> None:
     """Refuse a number above a bound with InputError, before anything is made of that size.
 
-    `where` is the file and key, or the option, that asks for it, and `way_out` what to do instead.
+    `where` is the file and key, or the option, that gives it, and `way_out` what to do instead.
     """
     if value > bound.most:
         what = f"beyond the limit of {bound.most:,} {bound.what}"

@@ -110,7 +110,7 @@ class Chart:
 
         Returns the face (m,) that the largest component points to, of equal ones the lower number,
         so that a seam belongs to one face; its coordinates u and v (m,), NaN for the cone where
-        gravity has no component along -z; and whether the chart covers the direction (m,).
+        gravity has no component along -z; and True if the chart covers the direction (m,).
         """
         down = unit_directions(gravity_dir)
         if down.ndim != 2:
@@ -120,7 +120,7 @@ class Chart:
         along = down[:, FACE_NORMAL[: self.faces]] * FACE_SIGN[: self.faces]
         row, face = np.arange(len(down)), along.argmax(axis=1)
         depth = np.where(along[row, face] > 0.0, along[row, face], np.nan)
-        # A direction a hair below the horizon may overflow to infinity: not inside.
+        # A direction just below the horizon may overflow to infinity: not inside.
         with np.errstate(over="ignore"):
             u, v = down[row, FACE_U[face]] / depth, down[row, FACE_V[face]] / depth
         rim = self.limit * (1.0 + _RIM) if self.nodes > 1 else _RIM
@@ -160,7 +160,7 @@ def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
     """Turn what an accelerometer at rest reads (..., 3) into unit vectors pointing down.
 
     On level ground it reads along +z.  While the robot accelerates it holds the inertial forces
-    too, and the result is then the direction that decides whether it tips.
+    too, and the result is then the direction that decides if it tips.
 
     Examples
     --------

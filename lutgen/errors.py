@@ -37,7 +37,7 @@ class SweepError(LutgenError, RuntimeError):
 
 
 class ExportError(LutgenError, RuntimeError):
-    """No export meets what was asked for, or its folder could not be written or compiled."""
+    """No export meets the request, or its folder could not be written or compiled."""
 
 
 def reject(
@@ -67,7 +67,7 @@ def readable(message: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line that a terminal may show, whatever its names hold."""
+    """Return a text as one line that a terminal may show, for any names."""
     return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 

@@ -32,7 +32,7 @@ _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
 def is_ours(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file carries the mark of those that lutgen makes; OSError may be raised."""
+    """Return True if a file carries the mark of those that lutgen makes; OSError may be raised."""
     with Path(path).open("rb") as file:
         ends = file.read(_NEAR)
         file.seek(max(file.tell(), file.seek(0, io.SEEK_END) - _NEAR))
@@ -66,7 +66,7 @@ def check_target(
     """Refuse to write where something stands that lutgen did not make.
 
     InputError is raised for a file without lutgen's mark, unless `force` or it holds the `content`
-    that is to be written; for a link or a device always.  A folder is left to whoever writes.
+    that is to be written; for a link or a device always.  A folder is left to the caller.
     """
     check_kind(path)
     if force or not os.path.lexists(path) or Path(path).is_dir():
@@ -105,7 +105,7 @@ def write_bytes(
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)
-            # Somebody else may have taken the name meanwhile.
+            # Another process may have taken the name meanwhile.
             check_target(target, force, content)
             partial.replace(target)
         finally:

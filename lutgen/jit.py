@@ -98,7 +98,7 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
     _impl_class = _Forms
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the machine code for a signature, or None if there is none that is whole."""
+        """Return the whole machine code for a signature, or None."""
         # Machine code counts references to arrays; the import would have begun that.
         rtsys.initialize(target_context)
         try:
@@ -278,7 +278,7 @@ def in_threads(
         # All are waited for, and the first error is raised.
         list(pool.map(lambda span: kernel(*span, *arguments), spans))
     finally:
-        # Ctrl-C need not wait for what nobody wants any more.
+        # Ctrl-C need not wait for results that are not used.
         pool.shutdown(wait=False, cancel_futures=True)
 
 

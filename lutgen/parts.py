@@ -129,7 +129,7 @@ class Axle:
     """An axle that swings freely about a line, and the two contacts that it carries.
 
     `pivot` is a point of the line and `axis` a unit vector along it, in the frame of `link`.  The
-    robot is described with the axle amid its swing, which `stops` (rad) end on either side.
+    robot is described with the axle in mid-swing, which `stops` (rad) end on either side.
     """
 
     name: str
@@ -179,7 +179,7 @@ class Force:
 
     @property
     def acts(self) -> bool:
-        """Whether it does anything at all."""
+        """True if it does anything at all."""
         return any(self.force) or any(self.moment)
 
 

@@ -19,7 +19,7 @@ class Quantity:
 
     `unit` is ``"rad"``, ``"1"``, or ``"length"`` for the recipe's length unit.  Its `title` is for
     map files (`long_name`), its `label` for axes of figures; `better` is the end that is good.
-    `under_load` says whether it is defined under forces and for a com that is known to a ball only;
+    `under_load` is True if it is defined under forces and for a com that is known to a ball only;
     `exported` is its place in the answer of the C runtime, and `in_c` what the C header says of it.
     `words` are what its values mean, the worst last, where they are no numbers: a map then holds
     bytes, and nothing is ever interpolated.
@@ -138,7 +138,7 @@ QUANTITIES = {
     )
 }
 CHANNELS = tuple(QUANTITIES)
-# Channels that can be drawn and sought: one end of them is good.
+# Channels that can be drawn and searched: one end of them is good.
 RANKED = tuple(name for name, one in QUANTITIES.items() if one.better)
 # Channels that robots under forces or with an uncertain com do not have.
 UNLOADED = tuple(name for name, one in QUANTITIES.items() if not one.under_load)
@@ -149,7 +149,7 @@ EXPORTABLE = tuple(
 
 
 def wanted(names: Iterable[str]) -> tuple[bool, ...]:
-    """Return for each of `CHANNELS` whether it is among the names; refuse an unknown name."""
+    """Return for each of `CHANNELS` if it is among the names; refuse an unknown name."""
     chosen = tuple(names)
     for name in chosen:
         if name not in QUANTITIES:

@@ -24,8 +24,11 @@ COSTS = (
 
 
 def pair(cell: Cell, call: str) -> str:
-    """Return median and largest count of a call, or a dash."""
-    return "{:,} / {:,}".format(*cell[call]) if call in cell else "-"
+    """Return median and largest count of a call, of reads also the longest one, or a dash."""
+    counted = [*cell.get(call, ())[:2]]
+    if call == "read" and "longest" in cell:
+        counted.append(cell["longest"])
+    return " / ".join(f"{one:,}" for one in counted) or "-"
 
 
 def line(cell: Cell) -> str:
@@ -62,8 +65,6 @@ def counts(content: dict[str, Any]) -> str:
             texts = [pair(cell, call) for cell in cells]
             if set(texts) != {"-"}:
                 rows.append([f"`{name}`", title, *texts])
-        longest = [f"{cell['longest']:,}" if "longest" in cell else "-" for cell in cells]
-        rows.append([f"`{name}`", "longest read", *longest])
     return markdown(f"| export | call | {' | '.join(titles)} |", rows)
 
 

@@ -184,8 +184,8 @@ def draw_all(recipe: Recipe, folder: Path) -> None:
         plot.save(draw_one(recipe, one), folder / f"{one.name}.png")
 
 
-def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
-    """Return the table of a map's numbers, as lines of Markdown."""
+def numbers(recipe: Recipe, stability_map: StabilityMap) -> str:
+    """Return a map's numbers as a line of Markdown."""
     chart = recipe.chart
     sizes = [
         *recipe.grid.shape,
@@ -196,19 +196,15 @@ def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
     nodes = f"{' x '.join(str(size) for size in sizes)} = {math.prod(sizes):,}"
     kilobytes = Path(stability_map.path).stat().st_size / 1000.0
     size = f"{kilobytes / 1000.0:.1f} MB" if kilobytes >= 1000.0 else f"{kilobytes:.0f} kB"
-    where = "all directions" if chart.kind == "sphere" else "the cone's directions"
     tips = share_that_tips(stability_map)
-    share = "-" if tips is None else f"{100.0 * tips:.1f} % of all postures x {where}"
-    return [
-        "| recipe | channels | nodes | file | tips over |",
-        "|---|---|---|---|---|",
-        f"| `{recipe.digest[:12]}` | {', '.join(recipe.channels)} | {nodes} | {size} | {share} |",
-    ]
+    share = "" if tips is None else f", {100.0 * tips:.1f} % tip over"
+    channels = ", ".join(recipe.channels)
+    return f"`{recipe.digest[:12]}`: {channels}; {nodes} nodes, {size}{share}."
 
 
 def block(recipe: Recipe, stability_map: StabilityMap) -> str:
     """Return what stands between the markers of a map."""
-    lines = [*numbers(recipe, stability_map), ""]
+    lines = [numbers(recipe, stability_map), ""]
     for each in shots_of(recipe):
         wide = each.kind == "hero"
         alt = f"{recipe.name}: {each.caption}"

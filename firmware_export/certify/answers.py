@@ -1,6 +1,6 @@
-"""Ask an export at given points, beside what is true there.
+"""Query an export at given points, beside the exact answers.
 
-Points become queries that the target can be asked: single precision, or the integers of
+Points become queries of the target: single precision, or the integers of
 smap_read_i.  Exact answers are computed at the query itself, so that rounding a point is no error.
 """
 
@@ -122,11 +122,11 @@ class Reader:
         self.model, self.read, self.steps = model, read, steps
 
     def measure(self, sample: Sample) -> Measured:
-        """Compute the exact answers to a sample and ask about its points."""
+        """Compute the exact answers to a sample and query its points."""
         return self.compare(expected(self.model, sample, self.steps is not None))
 
     def compare(self, known: Expected) -> Measured:
-        """Ask queries whose exact answers are known."""
+        """Answer queries whose exact answers are known."""
         m, d = known.gravity.shape[:2]
         rows = np.repeat(known.params, d, axis=0)
         status, reading = self.read(rows, known.gravity.reshape(-1, 3))

@@ -130,7 +130,7 @@ def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) ->
     """Return for each point a direction (s, 3) near it that only just tips.
 
     The tip angle is the distance to the boundary, so half as much again in one of many random
-    directions crosses it.  A point from where none does is returned as it is.
+    directions crosses it.  Other points are returned as they are.
     """
     model, rng = reader.model, np.random.default_rng([seed, 3])
     here = gravity[:, None]

@@ -1,8 +1,8 @@
 """Certify an export: measure its errors, and attack its verdict.
 
-The points are none that a fit or a choice has seen.  On them every answer is compared with the
-exact model; then the largest error is sought from the worst points, and a point that is called safe
-and tips.  A trained table is tested on many more points instead, half of them beside the boundary.
+No fit and no choice has seen the points.  On them every answer is compared with the exact model;
+then a search from the worst points finds the largest error, and a point that is called safe and
+tips.  A trained table is tested on many more points instead, half of them beside the boundary.
 """
 
 import math
@@ -29,7 +29,7 @@ SEED = 1001
 # Points of a test for one of another codec's certificate: 10 million.  Points of each half of a
 # part, after which it may end.
 TIMES, PART = 20, 500_000
-# Tip angle (rad) up to which trained tables tell it.
+# Tip angle (rad) up to which trained tables store it.
 MOST = math.radians(30.0)
 # Events that a rate has caused with a probability of 95 % if none was seen.
 EXCLUDED = 3.0
@@ -44,7 +44,7 @@ class Certificate:
     also ``range`` and the same in percent of it, ``..._percent``.  `false_safe` counts points, also
     of the search, that are called safe and tip; `false_tip` is the share of the standing points of
     the uniform half that are called tipping, and `beyond` of those whose |SD_g| error is beyond the
-    bound asked for.  By `nearest` (rad) the search failed to find a false safe; `wrong`, parameters
+    bound requested.  By `nearest` (rad) the search failed to find a false safe; `wrong`, parameters
     (n, k) and gravity (n, 3), are all that a test found.
     """
 
@@ -144,7 +144,7 @@ def certify(
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
     `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
-    asked for, to count the points beyond it; `seed` is one that no fit and no choice has used;
+    requested, to count the points beyond it; `seed` is one that no fit and no choice has used;
     `jump` is the `largest_jump`, if it is known.
     """
     model, half, worst = reader.model, -(-points // 2), None
@@ -202,7 +202,7 @@ def _about_jumps(
     )
     if beyond is not None:
         yield (
-            f"The bound asked for, {bound}, is held to p99; {100.0 * beyond:.2g} % of the standing "
+            f"The requested bound, {bound}, holds for p99; {100.0 * beyond:.2g} % of the standing "
             "configurations are beyond it."
         )
 

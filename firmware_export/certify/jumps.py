@@ -1,4 +1,4 @@
-"""Whether |SD_g| jumps: whether two points however near each other can differ by a finite amount.
+"""Test for jumps of |SD_g|: two points however near each other that differ by a finite amount.
 
 With more than three contacts the support facet changes, and its centroid with it.  No table that
 interpolates can bound its largest error there.
@@ -44,9 +44,9 @@ def _halved(model: Model, params: Floats, gravity: Floats) -> tuple[Floats, Floa
 
 
 def largest_jump(model: Model, seed: int) -> float:
-    """Return the height (length unit) of the largest jump of |SD_g|, 0 where it has none.
+    """Return the height (length unit) of the largest jump of |SD_g|, or 0.
 
-    Jumps are sought between directions of one posture, and between postures.
+    Jumps are searched between directions of one posture, and between postures.
     """
     if model.is_tripod:
         return 0.0

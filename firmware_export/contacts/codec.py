@@ -64,7 +64,7 @@ def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
     layout = 6 + 4 * room.rests + 4 * room.gaps + 5 * room.arcs
     region = 4 * (1 + 7 * room.rests + 3 * vectors)
     floats = 4 * contacts + 3 * max(discs, 1) + 3 * room.rests
-    work = 24 + 4 * floats + (contacts if discs else 1) + 6 * room.corners + room.rests + 8
+    work = 24 + 4 * floats + (contacts if discs else 1) + 7 * room.corners + room.rests + 8
     whole = 6 + 14 * room.rests + 6 * vectors
     both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
     return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)
@@ -78,7 +78,7 @@ STEPS = 16000.0
 MOST_SIDES = 12
 # Words of a pose: head, floats, integers (runtime/smap_three.h).
 POSE = (1 + 20 + 8, 1 + 8)
-# For a robot given by code: errors asked for, in parts of the size, on three points and on more: of
+# For a robot given by code: errors requested, in parts of the size, on three points and on more: of
 # three the walls of one facet turn a little, of more other facets are found.  And how many times
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
@@ -140,7 +140,7 @@ class Tables(AnyTables):
         return CBody(codec, arrays, contacts, tuple(macros), (both, whole), step, swept=swept)
 
     def guarded(self, guard: float) -> Self | None:
-        """Return tables of many contacts with a larger guard (rad); None of three points.
+        """Return tables of many contacts with a larger guard (rad); None for three points.
 
         The guard of three points follows from a bound: with another nothing would be proved.
         """
@@ -187,7 +187,7 @@ def _tables(model: Model, spec: Spec) -> Tables:
 
 
 def _host(model: Model, tables: Tables) -> Host:
-    """Return tables that are asked before they are an export."""
+    """Return tables that are queried before they are an export."""
     channels = ("tip_angle",)
     return Host(describe(Export("", model.recipe, model, "contacts", "float", channels, tables)))
 
@@ -200,7 +200,7 @@ def drawn_tables(model: Model) -> Tables:
 
 
 def _order(model: Model) -> tuple[tuple[int, ...], bool]:
-    """Return the order of the contacts in the tables, and whether axes of discs are asked for."""
+    """Return the order of the contacts in the tables, and True if axes of discs are needed."""
     return (rounds(model), False) if model.is_tripod else order_of(model)
 
 
@@ -211,7 +211,7 @@ def off_of(model: Model, spec: Spec) -> float:
     Raises
     ------
     InputError
-        Where there are no such series, or they are further off than asked for.
+        If there are no such series, or their error is larger than requested.
     """
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
@@ -261,7 +261,7 @@ class Contacts(Codec):
         return _tables(model, spec)
 
     def exact(self, model: Model) -> bool:
-        """Tell whether nothing else need be tried.
+        """Return True if nothing else need be tried.
 
         For three points given by code, `grid` has a smaller runtime; it needs such a bound.
         """

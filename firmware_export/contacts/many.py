@@ -26,14 +26,14 @@ from lutgen.recipe import robot_size_of
 from lutgen.support import DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
 from lutgen.vector import Floats
 
-# Postures that tell: where sums of products of sines are equal in so many they are the same.
+# Postures of a test: sums of products of sines that are equal in so many are the same.
 TOLD, TOLD_SEED = 40, 11
 # Part of the size by which a distance may change, by rounding.
 KEPT = 1e-12
 
 
 def _keeps(primitives: Floats, i: int, j: int, size: float) -> bool:
-    """Tell whether contacts i and j are placed to each other alike in all postures (m, n, 8)."""
+    """Return True if contacts i and j are placed to each other alike in all postures (m, n, 8)."""
     arm = primitives[:, i, :3] - primitives[:, j, :3]
     ways = primitives[:, i, 3:6], primitives[:, j, 3:6]
     alike = [
@@ -81,9 +81,9 @@ MOST_CONTACTS = 62
 # Steeper than this (rad) the history of tracks does not go.
 MOST_PITCH = math.radians(85.0)
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many
-# postures and directions tell.
+# postures and directions are tried.
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
-# Postures that tell whether a contact moves along an axis.  Of a robot given by code: how many
+# Postures that decide if a contact moves along an axis.  For a robot given by code: how many
 # times what contacts are off alters a distance from an edge's line, and where a roll ends; as which
 # part of the size rests are at least taken to be wide, and of those heights the least that is kept.
 LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
@@ -141,7 +141,7 @@ def _carried(model: Model) -> list[int]:
 def _tracks(model: Model) -> tuple[tuple[float, float], Floats] | None:
     """Return the level axis (x, y) of all discs, and where (n,) shown contacts are along it.
 
-    In length; None where the runtime searches.  Postures tell.
+    In length; None where the runtime searches.  Measured in postures.
     """
     shown, size = list(shown_contacts(model)), robot_size_of(model.recipe)
     kinds = model.kind[shown]
@@ -191,7 +191,7 @@ def _lowest(model: Model, rho: float) -> float:
 
 
 def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
-    """Return the order of a robot's shown contacts, and whether axes of its discs turn.
+    """Return the order of a robot's shown contacts, and True if axes of its discs turn.
 
     Those of axles that swing come first, and at the end two points of each, see `closed.Closed`.
     """

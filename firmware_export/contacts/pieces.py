@@ -2,7 +2,7 @@
 
 Axes are cut where the function has a kink, else in the middle, until few terms hold it along the
 axis.  Then every piece gets the tensor product of these, and `series` leaves out what is small.
-Nothing is known of the function but its values, so kinks and jumps are sought by samples on lines.
+Nothing is known of the function but its values, so kinks and jumps are found by samples on lines.
 """
 
 import math
@@ -24,7 +24,7 @@ LINES, SEED = 12, 11
 # Parts of the size by which what jumps still differs over the shortest stretch that is looked at: a
 # square root at the end of its range differs there by 1e-6.
 JUMP = 1e-5
-# Part of the error asked for at which a series along an axis has ended.
+# Part of the error requested at which a series along an axis has ended.
 ENDED = 0.05
 # Places at which a stretch of a line is looked at, and how often it is made as much shorter.
 PLACES, ZOOMS, JUMP_ZOOMS = 65, 6, 8
@@ -53,7 +53,7 @@ def pieces_of(
     error : float
         Length.
     common : bool
-        Whether the groups are minus the com, and contacts in the robot's own frame; else contacts
+        True if the groups are minus the com, and contacts in the robot's own frame; else contacts
         relative to the com.
 
     Returns

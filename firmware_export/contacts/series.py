@@ -3,7 +3,7 @@
 The layout is that of runtime/smap_series.h.  Small terms are left out, and the others rounded.
 
 Nothing is known of the code but its values, so the bound of how far the positions of the C are off
-is of what is seen.  On a dense grid of postures the very C is asked, in single precision.  Between
+is of what is seen.  On a dense grid of postures the very C computes, in single precision.  Between
 two neighbours of the grid the difference rises by about half of what it changes from one to the
 other; for every axis the whole of the largest such change is added to the largest difference.  That
 holds for all that a grid as dense can show.  Ends, cuts and random postures are looked at beside.
@@ -28,7 +28,7 @@ from lutgen.vector import Floats
 
 # Flags of the runtime, beside those of closed forms.
 BY_SERIES, WIDE = 16, 32
-# Shares of the error asked for: what is left out, and what codes of two bytes may be off.
+# Shares of the error requested: what is left out, and what codes of two bytes may be off.
 LEFT_OUT, ROUNDED = 0.4, 0.25
 LARGEST = {2: 32767, 3: 8388607}
 MOST_TERMS = 65535
@@ -45,7 +45,7 @@ class Series:
     `knots`: of each axis; `degrees`: the highest of each parameter; `masks`: of each group the
     parameters by which its pieces go; `products`: pairs of entries; `rows`: first term of each
     group and piece, and how many x, y and z have; `term_entries` and `codes` of the terms; `unit`:
-    length of a code, of `code_bytes` each; `common`: whether the first group is minus the com;
+    length of a code, of `code_bytes` each; `common`: True if the first group is minus the com;
     `axes`: how many axes of discs, which codes do not hold.
     """
 
@@ -73,7 +73,7 @@ class Series:
 
     @property
     def bytes(self) -> int:
-        """Bytes of what grows with the error asked for."""
+        """Bytes of the parts that grow with the error requested."""
         return sum(array.bytes for array in self._own())
 
     def arrays(
@@ -112,7 +112,7 @@ def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
     Raises
     ------
     InputError
-        Where there are none.
+        If there are none.
     """
     if model.k > MOST_PARAMETERS:
         raise InputError(

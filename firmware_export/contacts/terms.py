@@ -115,7 +115,7 @@ def head(
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
     """Return the tables of a robot whose contacts (and axles) stand in an order of our own.
 
-    Axes of discs are there only where they are asked for, `turning`.
+    Axes of discs are there only if `turning`.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
     centres = [closed.centres[at] for at in order]
     axes, axis_of = _axes([closed.axes[at] if turning else None for at in order])
     vectors = [shift, *centres] if moving else [one + shift for one in centres]
-    # What is small beside the largest coefficient of any position is not kept.
+    # Coefficients that are small beside the largest of any position are dropped.
     largest = [float(np.abs(v).max()) for one in closed.centres for v in one.terms.values()]
     size = max([*largest, float(radius.max(initial=0.0)), 1e-12])
     scales = [size] * len(vectors) + [1.0] * len(axes)
@@ -215,7 +215,7 @@ def _axes(axes: Sequence[Sum | None]) -> tuple[list[Sum], list[int]]:
 
 
 def _parallel(one: Sum, other: Sum) -> bool:
-    """Whether unit vectors are alike, or opposite, wherever the joints are."""
+    """Return True if unit vectors are alike, or opposite, wherever the joints are."""
     apart = [(one + other.scaled(sign)).terms.values() for sign in (-1.0, 1.0)]
     return any(all(float(np.abs(v).max()) < NEGLIGIBLE for v in values) for values in apart)
 

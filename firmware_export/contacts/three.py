@@ -1,4 +1,4 @@
-"""Three contact points: their order in the tables, what the runtime has to ask, the guard.
+"""Three contact points: their order in the tables, the checks of the runtime, the guard.
 
 The contacts are exact but for rounding.  So the guard is what single precision can turn the
 tip-over planes: an edge normal E = P x Q is off by 2 e |P| + 4 u |P| |Q| with e the error of a
@@ -7,7 +7,7 @@ else is needed.  Where the box holds postures in which the com comes close to a 
 facets that are low are refused: |E| is at least the side's length times the height of the com over
 the facet.
 
-Of a robot given by code the contacts are `off` by more.  That is no worse than a com that may be
+For a robot given by code the contacts are `off` by more.  That is no worse than a com that may be
 anywhere in a ball of that radius: each point of an edge is off by no more than its ends are, so
 its direction turns by no more than asin(off / its distance), and no edge is nearer than the facet's
 plane.
@@ -82,7 +82,7 @@ def three_of(model: Model, error: float, off: float = 0.0) -> Three:
     away = np.sqrt((edges**2).sum(axis=2)) / np.sqrt((sides**2).sum(axis=2))[:, [2, 0, 1]]
     nearest, turn = max(float(away.min()), lowest), 0.0
     if off > 0.0:
-        # Nothing that only some postures tell: what the runtime asks itself.
+        # Nothing that only some postures show: the runtime checks these itself.
         lowest = max(lowest, LOW * _usual_height(p, accept.steepest))
         width = max(width, NARROWEST * reach)
         nearest, turn = lowest - off, 2.0 * off / width

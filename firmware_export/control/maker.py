@@ -1,6 +1,6 @@
 """Make a policy: limits of the robot, the best posture for each slope, and what the table loses.
 
-What makes one posture better than another is its score.
+One posture is better than another by its score.
 """
 
 import math
@@ -90,7 +90,7 @@ CODES, NEAR, MOST_JOINTS = 255, 0.02, 4
 class PolicyOptions:
     """Options of a policy; angles in rad, lengths in the recipe's unit, times in s.
 
-    `lutgen policy -h` says what each is.  Of `home`, `rate` and `delta` parameters may be left out;
+    `lutgen policy -h` says what each is.  Parameters may be left out of `home`, `rate` and `delta`;
     `within` is in the unit of the objective (see `score_of`); below `levels` the alarm has level 1,
     2, 3; by `swerve` `up` may turn in a cycle beyond what the gyroscope says.
     """

@@ -23,8 +23,8 @@ class Ride:
 
     `path` has a point for each cycle; of a log the time takes the place of x.  `slope` (n, 3) is
     gravity, unit, in the frame of the ground, with inertia if it was recorded, and `size` (n,) what
-    the accelerometer measures, m/s^2.  Of a log: `driven` (n, k), the posture, which the driver
-    asks for; `felt` (n, 3), gravity in the body frame; `turning` (n, 3), rad/s.
+    the accelerometer measures, m/s^2.  In a log: `driven` (n, k), the posture, which is the
+    driver's request; `felt` (n, 3), gravity in the body frame; `turning` (n, 3), rad/s.
     """
 
     path: Path

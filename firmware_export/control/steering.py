@@ -1,6 +1,6 @@
 """Give an export a policy, write it, and steer a robot with it.
 
-A folder's map and policy are asked by the C that lutgen carries; nothing of it is compiled.
+A folder's map and policy are read by the C that lutgen carries; nothing of it is compiled.
 """
 
 import base64
@@ -29,13 +29,13 @@ CHANNELS = ("tip_angle",)
 
 
 def steered(export: Export, policy_options: PolicyOptions) -> tuple[Export, Design]:
-    """Return an export with the policy that is asked for, and what is known of it.
+    """Return an export with the requested policy, and what is known of it.
 
     Options that mean nothing and exports that are read without floats are refused.
     """
     found = design(export.model, policy_options)
     blob = describe(export)
-    Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it
+    Controller(blob, found.policy.packed(blob.bytes))  # True if the C takes it
     return replace(export, policy=found.policy), found
 
 

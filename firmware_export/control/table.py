@@ -1,7 +1,7 @@
 """Choose the posture of each node of a policy's table, and move nodes until it loses little.
 
-The best posture of each node alone jumps, because two that are far apart are equally good.  Of all
-that are nearly the best the one nearest to its neighbours' is taken.  Nodes that are each nearly
+The best posture of each node alone jumps, because two that are far apart are equally good.  The one
+nearest to its neighbours' is taken among all that are nearly the best.  Nodes that are each nearly
 the best may still have a bad posture half way, so nodes are moved where all slopes of the cells
 around them lose less, together.
 """
@@ -60,8 +60,8 @@ def polished(
 ) -> Floats:
     """Return the postures (n, n, k) of a table's nodes: of some tables the best, moved.
 
-    Moves only go downhill, so it is begun from several tables.  Of marv, whose flippers turn all
-    the way round, the best of each node ends at a loss of 5.3 deg, one posture for all at 0.2.
+    Moves only go downhill, so it is begun from several tables.  For marv, whose flippers turn
+    all the way round, the best of each node ends at a loss of 5.3 deg, one posture for all at 0.2.
     `best` (n, n) is the score that will do at each node, and between them what lies between;
     `score` takes postures (m, k) at places (m, 2) in parts of the table's sides.
     """

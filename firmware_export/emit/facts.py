@@ -120,7 +120,7 @@ def report(export: Export) -> dict[str, Any]:
 
 
 def _policy(export: Export) -> dict[str, Any] | None:
-    """Return what is known of the policy, and its bytes, or None where there is none."""
+    """Return what is known of the policy, and its bytes, or None."""
     body, policy = export.body, export.policy
     if policy is None:
         return None

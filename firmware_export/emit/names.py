@@ -20,7 +20,7 @@ _KEYWORDS = """
     typename using virtual wchar_t xor xor_eq
 """
 # Names in any case that every C library, compilers or the headers of Arduino define.  The trial
-# compilation refuses whatever else the C library of this machine has.
+# compilation refuses all others that the C library of this machine has.
 _TAKEN = """
     main errno null nan infinity eof stdin stdout stderr assert offsetof abort exit malloc free
     memcpy memmove memset memcmp printf puts read write open close link index time log gamma y0 pow

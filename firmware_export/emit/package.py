@@ -1,6 +1,6 @@
 """Write the folder of an export, whole or not at all, and read its report back.
 
-NAME_report.json tells a folder of an export from any other, and lists its files.
+NAME_report.json marks the folder of an export, and lists its files.
 """
 
 import json
@@ -62,7 +62,7 @@ def load_report(directory: Path) -> dict[str, Any]:
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Return the files of an export folder by name, and the content of its report.
 
-    The report also holds the tables, so that they can be asked, and the digest of each file.
+    The report also holds the tables, so that they can be read, and the digest of each file.
     """
     name = check_name(export.name)
     content = report(export)

@@ -18,7 +18,7 @@ TARGET = "Cortex-M4, -Os"
 # The compiler's cell of an export in counts.json that has its bytes.
 CELL = "m4f -Os"
 FILE, COUNTS = "sizes.json", "counts.json"
-# The target that reports tell of, and how its cells begin.
+# The target of reports, and how its cells begin.
 COUNTED, BOARD = "Cortex-M4F", "m4f"
 # Behind the name of a family: of robots given by code, whose contacts are series, and of those
 # with axles that swing.
@@ -35,7 +35,7 @@ def measured(name: str) -> dict[str, Any]:
 def family_row(family: str, macros: Mapping[str, int]) -> dict[str, int]:
     """Return the most bytes of `code`, `stack` and `control` that were measured of a family.
 
-    `macros` tell which robots' of it; `pose` is the size of the pose that the stack was measured
+    `macros` say which robots' of it; `pose` is the size of the pose that the stack was measured
     with.
     """
     kind = BY_CODE if macros.get("SMAP_SERIES") else SWINGING if macros.get("SMAP_PIVOTS") else ""

@@ -21,7 +21,7 @@ PROBE = "void {0}(void);\nvoid (*volatile f)(void);\nint main(void) {{ f = {0}; 
 
 
 def compiler() -> list[str] | None:
-    """Return the words that call the C compiler of this machine, None if there is none."""
+    """Return the words that call the C compiler of this machine, or None."""
     chosen = shlex.split(os.environ.get("CC", ""))
     names = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
     return next((words for words in names if shutil.which(words[0])), None)

@@ -19,7 +19,7 @@ SIGNS = {"deg": "°", "1": ""}
 
 
 def scene_of(recipe: Recipe) -> dict[str, Any]:
-    """Return what the page is told of a robot, ready for JSON."""
+    """Return the page's data of a robot, ready for JSON."""
     shapes = _shapes(recipe)
     parameters = []
     for parameter, home in zip(recipe.parameters, recipe.home_params, strict=True):

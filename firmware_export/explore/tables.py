@@ -1,4 +1,4 @@
-"""The tables that a page is asked with: those of an export, or made for the page."""
+"""The tables of a page: those of an export, or made for the page."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ QUICK = "contacts"
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Tables and what is told of them.
+    """Tables and the page's words on them.
 
     `blob` is as it stands in flash; from `drawn` the runtime for many contacts makes the pose that
     is drawn.  `about` names codec and certificate for people; `guard` (rad) is what is taken off
@@ -40,12 +40,12 @@ def answers_of_recipe(recipe: Recipe) -> Answers:
 
 
 def answers_of_export(folder: ExportFolder) -> Answers:
-    """Return the tables of an export; refuse one that the page cannot ask."""
+    """Return the tables of an export; refuse one that the page cannot read."""
     report, recipe = folder.report, folder.recipe()
     if folder.integer:
         raise InputError(
-            f"{recipe.source}: the export is read without floats, and the page asks with them (got "
-            "integer arithmetic); ask it with `lutgen eval`, or explore its recipe."
+            f"{recipe.source}: the export is read without floats, but the page uses floats (got "
+            "integer arithmetic); read it with `lutgen eval`, or explore its recipe."
         )
     about = f"export {report['name']}, {report['spec']}, {report['arithmetic']} arithmetic"
     if report.get("points"):

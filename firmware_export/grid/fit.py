@@ -2,7 +2,7 @@
 
 A table is trained on random configurations.  Then it is lowered where it calls safe what tips, on
 fresh ones: where it only just says that the robot stands, and beside the true boundary.
-None of this proves that it is safe: that is tested afterwards, on the C that ships.
+This does not prove that it is safe: that is tested afterwards, on the C that ships.
 """
 
 import math
@@ -39,11 +39,11 @@ STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
 # brought below STANDS, those of the sample and fresh ones.
 AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
-# Directions drawn for a posture; those asked, which only just stand; points in a round.
+# Directions drawn for a posture; those used, which only just stand; points in a round.
 POOL, ASKED, ROUND = 300, 30, 1_500_000
 # Points around one that was falsely safe: postures, directions of each; how near they are at most
 # (parts of an axis) and over how many decades; decades of the distance of directions (rad); how
-# often others are sought around those found there.
+# often others are drawn around those found there.
 NEAR_POSTURES, NEAR_DIRECTIONS = 3_000, 30
 NEAR, DECADES, ASIDE, CHAIN = 1 / 60, 2.5, (0.7, 4.0), 6
 # Points of a round that lie beside the boundary.
@@ -185,7 +185,7 @@ def _lower(
 
 
 def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
-    """Return the codes of the tip angle, whole numbers; refuse a robot that they cannot tell."""
+    """Return the codes of the tip angle, whole numbers; refuse a robot beyond them."""
     nodes, rng = blocks * int(np.prod(lattice.nodes)), np.random.default_rng([SEED, 1])
     points, steps = lesson.points, round(STEPS * max(1.0, math.sqrt(nodes / 16_000)))
     values = np.full(nodes, STANDS, np.float32)

@@ -124,7 +124,7 @@ def ground_of(model: Model) -> Ground:
 def _fold_of(plain: Ground) -> Fold | None:
     """Return how a robot is mirrored in the plane of x and z, or None where it is not.
 
-    Every way to pair the parameters is tried: first whether each contact has one at its image.
+    Every way to pair the parameters is tried: first if each contact has one at its image.
     """
     model, rng = plain.model, np.random.default_rng(SEED)
     k = model.k

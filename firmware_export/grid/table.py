@@ -24,7 +24,7 @@ from lutgen.vector import Floats
 # Its number in runtime/smap_map.h; parameters that the runtime takes, and the largest u.
 GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
 LENGTHS = ("sdg", "height")
-# Nodes of the first size that is tried where an error is asked for, and how sizes grow.
+# Nodes of the first size that is tried for a requested error, and how sizes grow.
 FIRST, GROWTH = 2_000, 2.0
 # Bytes beside the codes: knots, at most about so many.
 HEAD = 300
@@ -128,15 +128,14 @@ class Trained(Codec):
             return f"grid reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
         if arithmetic != "integer":
             return (
-                "grid of more than three contacts is read without floats; ask for integer "
-                "arithmetic"
+                "grid of more than three contacts is read without floats; choose integer arithmetic"
             )
         return None
 
     def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Spec]:
         """Return the size that at most so many bytes of tables hold.
 
-        Where an error of |SD_g| is asked for, the smallest whose table of it has p99 below that.
+        For a requested error of |SD_g|, the smallest whose table of it has p99 below that.
         """
         if aim.bytes is None:
             return [Spec((6,) * (model.k + 2))]
@@ -154,7 +153,7 @@ class Trained(Codec):
         if error > aim.percent:
             raise ExportError(
                 f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
-                f"{error:.3g} % of the range for |SD_g|, {aim.percent:.3g} % asked for); ask for a "
+                f"{error:.3g} % of the range for |SD_g|, {aim.percent:.3g} % requested); give a "
                 "size of flash alone, or choose the codec contacts."
             )
         return [Spec(lesson.shape(nodes))]

@@ -1,4 +1,4 @@
-"""The C runtime on this machine, asked with blobs in memory.
+"""The C runtime on this machine, on blobs in memory.
 
 In reading order: `reader`, `control`.
 """

@@ -1,4 +1,4 @@
-"""Ask the C of `smap_control.h` on this machine, for many robots at a time."""
+"""Run the C of `smap_control.h` on this machine, for many robots at a time."""
 
 import ctypes
 from typing import Any
@@ -62,7 +62,7 @@ class Controller:
         own: ArrayLike | None = None,
         desired: ArrayLike | None = None,
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.int8]]:
-        """Ask smap_step once for each of n robots, which keep their states.
+        """Run smap_step once for each of n robots, which keep their states.
 
         `posture` and `desired` (n, k) are joints, rad or length; `up` and `own` (n, 3) what the
         accelerometer reads and the acceleration that is known, m/s^2; `rate` (n, 3) the gyroscope,
@@ -131,7 +131,7 @@ class Controller:
 def budget(
     blob: Blob, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike, reads: int = 4
 ) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
-    """Ask smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
+    """Run smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
 
     `params` (m, k) are rad or length; `gravity` and `direction` (m, 3) down and where the robot
     accelerates, in the body frame, of any length > 0; `reads` are the reads of the map for each.

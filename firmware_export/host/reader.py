@@ -1,4 +1,4 @@
-"""Ask the C runtime on this machine many queries of a map in memory, with all its cores.
+"""Answer by the C runtime on this machine many queries of a map in memory, with all its cores.
 
 The library was built for this machine when lutgen was installed.  It lies beside the C files and
 must have been built from them; see runtime/smap_host.c.
@@ -106,7 +106,7 @@ def in_units(reading: NDArray[Any], steps: Mapping[str, float]) -> Floats:
 
 
 class Host:
-    """A map that is asked as a microcontroller asks it."""
+    """A map that is read as on a microcontroller."""
 
     def __init__(self, blob: Blob) -> None:
         self._blob = blob
@@ -116,7 +116,7 @@ class Host:
     def read(
         self, params: ArrayLike, gravity: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-        """Ask smap_read of postures (m, k) and gravity (m, 3), down, of any length > 0.
+        """Run smap_read on postures (m, k) and gravity (m, 3), down, of any length > 0.
 
         Returns status (m,), and sdg, tip_angle (rad, guard subtracted) and height (m, 3).
         """
@@ -126,7 +126,7 @@ class Host:
     def read_i(
         self, params_q: ArrayLike, gravity_q: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
-        """Ask smap_read_i of steps (m, k), 0 to 32767 on each axis, and whole gravity (m, 3).
+        """Run smap_read_i on steps (m, k), 0 to 32767 on each axis, and whole gravity (m, 3).
 
         Returns status (m,), and sdg, tip (1 / 32767) and height (m, 3), lengths in steps.
         """
@@ -137,7 +137,7 @@ class Host:
     def at(
         self, params: ArrayLike, gravity: ArrayLike, integer: bool = False
     ) -> tuple[int, NDArray[np.int8], NDArray[Any]]:
-        """Make one pose of params (k,) and ask smap_at, or smap_at_i, of gravity (m, 3).
+        """Make one pose of params (k,) and run smap_at, or smap_at_i, on gravity (m, 3).
 
         Returns the status of smap_pose, and status (m,) and reading (m,) of each direction.
         """
@@ -172,7 +172,7 @@ class Host:
     def ask(
         self, what: str, params: ArrayLike, gravity: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[Any]]:
-        """Ask ``read`` or ``read_i``; large batches in as many threads as there are cores."""
+        """Run ``read`` or ``read_i``; large batches in as many threads as there are cores."""
         number = np.int16 if what == "read_i" else np.float32
         rows = np.ascontiguousarray(params, dtype=number)
         downs = np.ascontiguousarray(gravity, dtype=number)

@@ -1,4 +1,4 @@
-"""The reference of an export: exact answers, and where they are asked.
+"""The reference of an export: exact answers, and where they are taken.
 
 In reading order: `model`, `crossing`, `sample`, `rest`.
 """

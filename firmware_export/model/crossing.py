@@ -36,8 +36,8 @@ TIP = CHANNELS.index("tip_angle")
 def unit_as_read(v: Vector) -> Vector:
     """Return a direction as `unit_directions` does, to the bit.
 
-    Beside the boundary the last bit decides, and whoever asks about a direction that is found here
-    normalises it once more.
+    Beside the boundary the last bit decides, and a caller normalises a direction that is found
+    here once more.
     """
     size = max(abs(v[0]), abs(v[1]), abs(v[2]))
     x, y, z = v[0] / size, v[1] / size, v[2] / size

@@ -62,7 +62,7 @@ class Model:
 
     @property
     def is_tripod(self) -> bool:
-        """Whether three points are all there is to stand on: one facet, everything smooth."""
+        """True if three points are all there is to stand on: one facet, everything smooth."""
         return len(self.kind) == 3 and not self.kind.any() and not self.recipe.axles
 
     def at(self, t: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Bound how short an edge of three contacts can be, and tell if their facet is always a rest.
+"""Bound how short an edge of three contacts can be, and if their facet is always a rest.
 
 The three contacts P1, P2, P3, seen from the com, span a cone; E_i = P_i x P_(i+1) are its inward
 edge normals, E_1 + E_2 + E_3 is the facet's normal, outward, and V = E_1 . P3 > 0 says that the com
@@ -35,13 +35,13 @@ MOST_CELLS = 300_000
 def least_edge_of(model: Model) -> float:
     """Return a lower bound of any edge normal's length over the box, and as far as sensors err.
 
-    0 where there is none, or where the three contacts' facet is not a rest everywhere.
+    0 without one, or if the three contacts' facet is not a rest everywhere.
     """
     if not model.is_tripod or model.recipe.com_uncertainty > 0.0:
         return 0.0
     series = expand(widened(model))
     accept = acceptance_of(model.recipe)
-    # Without a limit of rocking there is none of the width of a rest either.
+    # Without a limit of rocking the width of a rest has no limit either.
     width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
     if series is None or not carries_everywhere(series, accept.steepest, width):
         return 0.0
@@ -49,7 +49,7 @@ def least_edge_of(model: Model) -> float:
 
 
 def carries_everywhere(series: Sequence[Floats], least: float, width: float = 0.0) -> bool:
-    """Tell whether the com is above the contacts' plane and the facet a rest in all postures.
+    """Return True if the com is above the contacts' plane and the facet a rest in all postures.
 
     `series` are the three of `series.expand`; a facet is accepted if -n_z is greater than `least`,
     and a rest if it is at least `width` wide.
@@ -87,7 +87,7 @@ def carries_everywhere(series: Sequence[Floats], least: float, width: float = 0.
 
 
 def least_edge(series: Sequence[Floats]) -> float:
-    """Return a lower bound of the length of any edge normal over the box; 0 where there is none."""
+    """Return a lower bound of the length of any edge normal over the box, or 0."""
     k = series[0].ndim - 1
     cells = int(EDGE_CELLS ** (1.0 / max(k, 1)) + 1e-9)
     half = 1.0 / cells

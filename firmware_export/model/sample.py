@@ -26,7 +26,7 @@ NEAREST, FARTHEST = -7.0, -1.0
 
 
 def on_chart(model: Model, gravity: Floats) -> Bools:
-    """Tell which directions (..., 3) the chart holds."""
+    """Return True for directions (..., 3) that the chart covers."""
     if model.faces == 6:
         return np.ones(gravity.shape[:-1], np.bool_)
     reach = np.abs(gravity[..., :2]).max(axis=-1)
@@ -37,7 +37,7 @@ def on_chart(model: Model, gravity: Floats) -> Bools:
 def _wider(
     model: Model, rng: np.random.Generator, params: Floats, gravity: Floats
 ) -> tuple[Floats, Floats]:
-    """Return the directions (m, d, 3) and 3 POOL more, sought where a posture may stand.
+    """Return the directions (m, d, 3) and 3 POOL more, drawn where a posture may stand.
 
     Only postures whose directions all stand or all tip need more: first round about, then, twice,
     round the direction that is nearest to standing, no further away than the region can be.  The
@@ -70,7 +70,7 @@ def arcs(
     """Pair directions of each posture: one that stands with one that tips.
 
     Returns the ends (m, d, 3) of as many arcs as there are directions, each of which is one of
-    them if the posture has any of the other verdict, the standing ones first; and whether (m, d)
+    them if the posture has any of the other verdict, the standing ones first; and if (m, d)
     directions of both kinds were found on the chart.
     """
     pool, tip = _wider(model, rng, params, gravity)
@@ -212,7 +212,7 @@ def _middles(knots: Floats, rng: np.random.Generator, count: int) -> Floats:
 
 
 def _biased_params(model: Model, rng: np.random.Generator, m: int, cells: Cells | None) -> Floats:
-    """Return postures (m, k): a half on faces, edges and corners of the box or within a hair.
+    """Return postures (m, k): a half on faces, edges and corners of the box or just inside.
 
     The other half lies on the middles and knots of the table's cells, or anywhere.
     """

@@ -1,6 +1,6 @@
 """Lay a map out as one run of bytes: a CRC-32, descriptor and tables, as runtime/smap_map.h says.
 
-The exported file, the report and what this machine is asked are all made of these bytes.
+The exported file, the report and the library of this machine all use these bytes.
 """
 
 import base64
@@ -19,9 +19,9 @@ from firmware_export.protocol.codec import CArray, Export
 # SMAP_VERSION of the runtime.
 VERSION = 3
 TURN = 2.0 * math.pi
-# A hair by which the rim of the chart is widened: rounding of a quotient.
+# The rim of the chart is widened by this: rounding of a quotient.
 HAIR = 1e-6
-# Postures that tell if a robot given by code is the same a turn further, and how nearly.
+# Postures that decide if a robot given by code is the same a turn further, and how nearly.
 LOOKED, ALIKE = 200, 1e-9
 CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
 
@@ -31,7 +31,7 @@ class Blob:
     """A map as bytes, CRC-32 first.
 
     `sections` say where each part begins and what it is, for people; `codec` is the codec's number,
-    `params` the number of parameters, `integer` whether the map is read without floats.
+    `params` the number of parameters, `integer` True if the map is read without floats.
     """
 
     bytes: bytes
@@ -42,7 +42,7 @@ class Blob:
 
 
 def turns(model: Model, index: int) -> bool:
-    """Whether a parameter turns joints all the way round, so that 2 pi more is the same posture."""
+    """Return True if a parameter turns joints all the way round: 2 pi more is the same posture."""
     recipe = model.recipe
     parameter = recipe.parameters[index]
     if recipe.function is not None:
@@ -57,7 +57,7 @@ def turns(model: Model, index: int) -> bool:
 
 @lru_cache(maxsize=64)
 def _repeats(model: Model, index: int) -> bool:
-    """Whether a robot given by code is the same a turn further, and its axis has a turn."""
+    """Return True if a robot given by code is the same a turn further, and its axis has a turn."""
     span = model.upper[index] - model.lower[index]
     if abs(span - TURN) > 1e-6:
         return False
@@ -79,7 +79,7 @@ def describe(export: Export) -> Blob:
     arrays = [
         CArray("head", "uint8_t", head, meaning),
         CArray(
-            "limit", "float", [model.chart_limit * (1.0 + HAIR)], "largest |u|, |v|, a hair wide"
+            "limit", "float", [model.chart_limit * (1.0 + HAIR)], "largest |u|, |v|, just wider"
         ),
         CArray("guard", "float", [guard], "guard, rad"),
         CArray("step", "float", [body.step], "length of a step of the integer form"),

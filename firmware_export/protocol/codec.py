@@ -1,4 +1,4 @@
-"""Say what a codec is, what it hands over, and what an export of it is: others ask only this."""
+"""Say what a codec is, what it hands over, and what an export of it is: others use only this."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from lutgen.vector import Floats
 class CArray:
     """Numbers of one type, such as ``uint8_t`` or ``float``, that stand in the blob in C order.
 
-    `comment` says in one line what they are, their axes and their unit; `table` whether they are
+    `comment` says in one line what they are, their axes and their unit; `table` True if they are
     the robot's own, and no part of the descriptor.
     """
 
@@ -56,7 +56,7 @@ class CArray:
 class CBody:
     """A codec's part of a blob, and what reads it.
 
-    `codec` is its number in runtime/smap_map.h, and `contacts` is the number that the runtime asks
+    `codec` is its number in runtime/smap_map.h, and `contacts` is the number that the runtime needs
     for.  `arrays` follow each other in the order in which the runtime's file for the codec
     describes them, `macros` say how many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
     `pose` are the words of 32 bits of a pose beside the map's address, with both forms and with
@@ -184,7 +184,7 @@ class Codec(ABC):
         return Export(name, model.recipe, model, self.name, arithmetic, channels, tables)
 
     def exact(self, model: Model) -> bool:
-        """Return whether no other codec need be tried if this one will do."""
+        """Return True if no other codec need be tried if this one will do."""
         return False
 
 
@@ -211,7 +211,7 @@ class Export:
 
     @property
     def integer(self) -> bool:
-        """Whether the export answers smap_read_i."""
+        """True if the export answers smap_read_i."""
         return self.arithmetic == "integer"
 
     @cached_property

@@ -19,7 +19,7 @@ class Joint(NamedTuple):
     cycle, `delta` the range around what is desired, `near` a change that needs no new pose.  One
     unit of it moves contacts that no other joint moves further by at most `reach` (length, seen
     from the com) beyond what it moves others, and those by at most `bend`; it turns the body on a
-    plane by at most `lean` (rad).  Of a grid `reach` is how far (rad) it changes the tip angle, of
+    plane by at most `lean` (rad).  For a grid `reach` is how far (rad) it changes the tip angle, of
     three points `bend` the second derivative of a tip angle (rad).
     """
 

@@ -5,10 +5,11 @@
 /* Add the boundary of a rest: of each edge all but what holds of it. */
 static void smap_bound_rest(smap_work_t *w, uint8_t r)
 {
+  const uint8_t behind = w->at->first[r + 1];
   uint8_t e;
   w->at->own[r] = w->at->arcs;
-  for (e = w->at->first[r]; e < w->at->first[r + 1]; e++) {
-    const uint8_t end = smap_after(w, e), i = w->contact[e], j = w->contact[end];
+  for (e = w->at->first[r]; e < behind; e++) {
+    const uint8_t end = w->next[e], i = w->contact[e], j = w->contact[end];
     if (w->upto[e] != SMAP_NONE) {
       smap_add_arc(w, e, e, w->upto[e], i, j);
     }
@@ -25,13 +26,15 @@ static void smap_bound_rest(smap_work_t *w, uint8_t r)
  * bounds nothing. */
 static void smap_unit_all(smap_work_t *w)
 {
-  const float least = SMAP_DOT * w->map->size * w->map->size;
+  const float least = SMAP_DOT * SMAP_SIZE(w) * SMAP_SIZE(w);
+  const uint8_t places = w->at->places, corners = w->at->first[w->at->rests];
+  smap_region_t *const o = w->region;
   uint8_t e;
-  for (e = 0; e < w->at->places; e++) {
-    (void)smap_unit(w->region->place[e]);
+  for (e = 0; e < places; e++) {
+    (void)smap_unit(o->place[e]);
   }
-  for (e = 0; e < w->at->first[w->at->rests]; e++) {
-    float *const wall = w->region->wall[e];
+  for (e = 0; e < corners; e++) {
+    float *const wall = o->wall[e];
     if (!(smap_dot(wall, wall) > least * least && smap_unit(wall))) {
       memcpy(wall, w->normal[w->rest[e]], sizeof w->normal[0]);
     }
@@ -52,10 +55,12 @@ static int smap_close(smap_work_t *w)
   }
   smap_unit_all(w);
   for (i = 0; i < at->rests; i++) {
-    const uint8_t from = at->arcs;
     if (w->island[i] != i) {
+      at->from[i] = at->from[w->island[i]];
+      at->till[i] = at->till[w->island[i]];
       continue;
     }
+    at->from[i] = at->arcs;
     for (r = i; r < at->rests; r++) {
       if (w->island[r] == i) {
         smap_bound_rest(w, r);
@@ -69,12 +74,7 @@ static int smap_close(smap_work_t *w)
         smap_add_arc(w, (uint8_t)(gap->side + 1u), (uint8_t)(p + 3u), (uint8_t)(p + 2u), b, b);
       }
     }
-    for (r = i; r < at->rests; r++) {
-      if (w->island[r] == i) {
-        at->from[r] = from;
-        at->till[r] = at->arcs;
-      }
-    }
+    at->till[i] = at->arcs;
   }
   for (r = 0; SMAP_PIVOTS > 0 && w->map->first[0] > 0 && at->rests > 1 && r < at->rests; r++) {
     at->nearly = SMAP_OVERLAP;

@@ -90,14 +90,14 @@ static float smap_doubt(const smap_work_t *w, uint8_t rest, float off)
     }
     do {
       float along[3], arm[3], in[3], apart, lost, size;
-      smap_corner(w, smap_after(w, e), along);
+      smap_corner(w, w->next[e], along);
       smap_corner(w, e, arm);
       smap_minus(along, arm, along);
       smap_minus(place, arm, arm);
       smap_cross(arm, along, in);
       size = smap_root(smap_dot(along, along));
       apart = size > 0.0f ? smap_dot(in, n) / size : 0.0f;
-      if (!(apart > SMAP_CORNER * w->map->size)) {
+      if (!(apart > SMAP_CORNER * SMAP_SIZE(w))) {
         here = 0.0f; /* a corner, on an edge or outside: it cuts nothing off */
         break;
       }
@@ -153,7 +153,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->turned += most;
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
-    if (smap_is_turned(map)) {
+    if (SMAP_IS_TURNED(&limits)) {
       smap_turn_region(&limits, &swept->at, &swept->region);
     }
     swept->region.guard += swept->widened;

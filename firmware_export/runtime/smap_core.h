@@ -220,9 +220,12 @@ SMAP_INLINE float smap_dot(const float a[3], const float b[3])
 
 SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
 {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
+  /* Before any is stored, which might alter a or b: nothing is loaded twice. */
+  const float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2];
+  const float z = a[0] * b[1] - a[1] * b[0];
+  out[0] = x;
+  out[1] = y;
+  out[2] = z;
 }
 
 /* The nearest whole number; 0 for what is beyond `most`, at most 32767, or no number. */

@@ -37,17 +37,14 @@ static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t
 }
 
 /* Add the cone of a gap: between both edges, and the sides at both ends of its span, which are boundary; 0 where it is
- * twisted, or there is no room.  Its places: on one side that on e and the other, then on the other side. */
+ * twisted.  Its places: on one side that on e and the other, then on the other side. */
 static int smap_add_gap(smap_work_t *w, uint8_t e)
 {
   const uint8_t k = w->at->gaps;
-  const float least = SMAP_LEANS * w->map->size;
+  const float least = SMAP_LEANS * SMAP_SIZE(w);
   float(*const place)[3] = w->region->place + w->at->places;
   smap_gap_t *const gap = &w->at->gap[k];
   uint8_t side;
-  if (SMAP_IS_FULL(w, SMAP_OF_GAPS, k, SMAP_MAX_GAPS)) {
-    return 0;
-  }
   gap->a = e;
   gap->b = w->twin[e];
   gap->side = (uint8_t)(w->at->first[w->at->rests] + 2u * k);
@@ -77,64 +74,76 @@ static void smap_join(smap_work_t *w, uint8_t a, uint8_t b)
   }
 }
 
+/* Find the part of the way over the edge e from which the robot stays, `d` between the normals of
+ * its rests; 0: there is none.  `slit`: the edge does not move while the robot rolls. */
+static int smap_find_span(smap_work_t *w, uint8_t e, const float d[3], const float *const *corner,
+                          int slit, float span[2])
+{
+  const uint8_t back = w->twin[e];
+  const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
+  const float size = SMAP_SIZE(w), turned2 = smap_dot(d, d);
+  float half[2][3];
+  smap_landing_t l;
+  uint8_t side;
+  if (!(turned2 <= w->map->rock_chord * w->map->rock_chord)) {
+    return 0;
+  }
+  l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * (size * size);
+  smap_find_half(w, e, d, half);
+  smap_roll(from, to, corner, half, corner + 2, &l);
+  if (!smap_land(w, back, &l, span)) {
+    return 0;
+  }
+  smap_roll(to, from, corner + 2, half, corner, &l);
+  if (!smap_land(w, e, &l, span)) {
+    return 0;
+  }
+  for (side = 0; side < 2 && !slit; side++) {
+    if (!smap_bring_in(corner, half, side, SMAP_LEANS * size, span)) {
+      return 0;
+    }
+  }
+  span[0] = span[0] > 0.0f ? span[0] + SMAP_SPARE : 0.0f;
+  span[1] = span[1] < 1.0f ? span[1] - SMAP_SPARE : 1.0f;
+  return span[0] < span[1];
+}
+
 /* Find what holds of the edge e between two rests. */
 SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
 {
   smap_layout_t *const at = w->at;
-  const uint8_t back = w->twin[e], end = smap_after(w, e), rear = smap_after(w, back);
-  const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
+  const uint8_t back = w->twin[e], p = at->places;
   float(*const place)[3] = w->region->place;
-  const float *const corner[4] = {place[e], place[end], place[rear], place[back]};
-  const float square = w->map->size * w->map->size;
-  float half[2][3], span[2] = {0.0f, 1.0f}, d[3], turned2;
-  smap_landing_t l;
-  int side, slit, one = w->joined[e];
-  smap_minus(from, to, d);
-  turned2 = smap_dot(d, d);
-  if (!one && !(turned2 <= w->map->rock_chord * w->map->rock_chord)) {
+  const float *const corner[4] = {place[e], place[w->next[e]], place[w->next[back]], place[back]};
+  const float least = SMAP_SLIT * SMAP_SLIT * SMAP_SIZE(w) * SMAP_SIZE(w);
+  float span[2] = {0.0f, 1.0f}, d[3], u[3];
+  uint8_t side;
+  int slit, one = w->joined[e];
+  smap_minus(corner[0], corner[2], d);
+  smap_minus(corner[1], corner[3], u);
+  slit = smap_dot(d, d) + smap_dot(u, u) < least;
+  smap_minus(w->normal[w->rest[e]], w->normal[w->rest[back]], d);
+  if (SMAP_IS_FULL(w, SMAP_OF_GAPS, (p - at->first[at->rests]) / 4u, SMAP_HELD_EDGES) ||
+      (!one && !smap_find_span(w, e, d, corner, slit, span))) {
     return;
-  }
-  smap_minus(corner[0], corner[2], half[0]);
-  smap_minus(corner[1], corner[3], half[1]);
-  slit = smap_dot(half[0], half[0]) + smap_dot(half[1], half[1]) < SMAP_SLIT * SMAP_SLIT * square;
-  if (SMAP_IS_FULL(w, SMAP_OF_GAPS, (at->places - at->first[at->rests]) / 4u, SMAP_MAX_GAPS) ||
-      at->places - at->first[at->rests] + 4u > SMAP_MOST_PLACES) {
-    return;
-  }
-  if (!one) {
-    l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
-    smap_find_half(w, e, d, half);
-    smap_roll(from, to, corner, half, corner + 2, &l);
-    if (!smap_land(w, back, &l, span)) {
-      return;
-    }
-    smap_roll(to, from, corner + 2, half, corner, &l);
-    if (!smap_land(w, e, &l, span)) {
-      return;
-    }
-    for (side = 0; side < 2 && !slit; side++) {
-      if (!smap_bring_in(corner, half, (uint8_t)side, SMAP_LEANS * w->map->size, span)) {
-        return;
-      }
-    }
-    span[0] = span[0] > 0.0f ? span[0] + SMAP_SPARE : 0.0f;
-    span[1] = span[1] < 1.0f ? span[1] - SMAP_SPARE : 1.0f;
-    if (!(span[0] < span[1])) {
-      return;
-    }
   }
   for (side = 0; side < 2; side++) {
-    smap_mix(corner[0], corner[1], span[side], place[at->places + 2 * side]);
-    smap_mix(corner[2], corner[3], span[side], place[at->places + 2 * side + 1]);
+    smap_mix(corner[0], corner[1], span[side], place[p + 2 * side]);
+    smap_mix(corner[2], corner[3], span[side], place[p + 2 * side + 1]);
   }
   if (!slit && !smap_add_gap(w, e) && !one) {
     return;
   }
   at->nearly = one ? 1 : at->nearly;
   smap_join(w, w->rest[e], w->rest[back]);
-  w->upto[e] = span[0] > 0.0f ? at->places : (uint8_t)SMAP_NONE;
-  w->onward[back] = span[0] > 0.0f ? (uint8_t)(at->places + 1u) : (uint8_t)SMAP_NONE;
-  w->onward[e] = span[1] < 1.0f ? (uint8_t)(at->places + 2u) : (uint8_t)SMAP_NONE;
-  w->upto[back] = span[1] < 1.0f ? (uint8_t)(at->places + 3u) : (uint8_t)SMAP_NONE;
-  at->places = (uint8_t)(at->places + 4u);
+  w->upto[e] = w->upto[back] = SMAP_NONE;
+  if (span[0] > 0.0f) {
+    w->upto[e] = p;
+    w->onward[back] = (uint8_t)(p + 1u);
+  }
+  if (span[1] < 1.0f) {
+    w->onward[e] = (uint8_t)(p + 2u);
+    w->upto[back] = (uint8_t)(p + 3u);
+  }
+  at->places = (uint8_t)(p + 4u);
 }

@@ -94,7 +94,7 @@ SMAP_FOLDED void smap_entries(const smap_t *map, const smap_places_t *at, const 
 #include "smap_series.h"
 
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
-SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
+SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float *p)
 {
   const smap_places_t at = smap_places(map);
   const uint8_t shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON ? 3 : 0;

@@ -20,14 +20,17 @@ typedef struct {
 /* Find where both contacts of an edge touch the plane half-way between two normals, d apart. */
 static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], float (*half)[3])
 {
-  const uint8_t contact[2] = {w->contact[e], w->contact[smap_after(w, e)]};
+  const uint8_t contact[2] = {w->contact[e], w->contact[w->next[e]]};
   float n[3], v[3];
   uint8_t left;
   smap_mix(w->normal[w->rest[e]], w->normal[w->rest[w->twin[e]]], 0.5f, n);
-  for (left = 2; left > 0; left--) { /* one round of Newton's method: see smap_roll.h */
+  for (left = 2;; left--) { /* one round of Newton's method: see smap_roll.h */
     (void)smap_unit(n);
     smap_touch(w, contact[0], n, half[0]);
     smap_touch(w, contact[1], n, half[1]);
+    if (left == 1) {
+      return;
+    }
     smap_minus(half[0], half[1], v);
     smap_cross(v, d, n);
   }
@@ -45,7 +48,7 @@ static void smap_roll(const float from[3], const float to[3], const float *const
   smap_cross(from, to, axis);
   SMAP_TWICE
   for (w = 0; w < 2; w++) {
-    float across[3], end[3], sunk = 0.0f;
+    float across[3], end[3], g[3], sunk = 0.0f;
     smap_cross(axis, p[w], across);
     smap_cross(axis, across, end);
     SMAP_THRICE
@@ -54,8 +57,9 @@ static void smap_roll(const float from[3], const float to[3], const float *const
       const float amid = half * across[k] + half_share * end[k];
       end[k] = across[k] + share * end[k];
       sunk += (2.0f / 3.0f) * (amid * by - end[k] * via) - end[k] * (p[w][k] + 0.5f * by);
-      l->g[w][k] = p[w][k] + end[k];
+      g[k] = p[w][k] + end[k];
     }
+    memcpy(l->g[w], g, sizeof g);
     l->sunk[w] = SMAP_SUNK * sunk + l->doubt;
     l->sunk[w] = l->sunk[w] > 0.5f * l->doubt ? l->sunk[w] : 0.5f * l->doubt;
   }
@@ -66,11 +70,12 @@ static void smap_roll(const float from[3], const float to[3], const float *const
 static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
 {
   const float *const a = w->region->place[e];
-  float u[3], in[2], y[2], spare[2], au, uu, size, t = 0.5f, begin = 0.0f, last = 0.0f;
+  float u[3], in[2], y[2], au, uu, size, t = 0.5f;
   uint8_t k, pass;
-  smap_minus(w->region->place[smap_after(w, e)], a, u);
+  int holds = 0;
+  smap_minus(w->region->place[w->next[e]], a, u);
   uu = smap_dot(u, u);
-  if (!(uu > SMAP_DOT * SMAP_DOT * w->map->size * w->map->size)) {
+  if (!(uu > SMAP_DOT * SMAP_DOT * SMAP_SIZE(w) * SMAP_SIZE(w))) {
     return 1;
   }
   au = smap_dot(a, u);
@@ -79,32 +84,26 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
   for (k = 0; k < 2; k++) {
     const float above = uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k]), sunk = uu * l->sunk[k];
     in[k] = smap_dot(w->region->wall[e], l->g[k]) - size * l->doubt;
-    spare[k] = size * in[k] - (above + sunk > 0.0f ? above + sunk : 0.0f);
     y[k] = 2.0f * above + sunk;
     /* Below the edge, as soon as it is inside, it stays. */
     y[k] = y[k] > 0.01f * uu * l->doubt ? y[k] : 0.01f * uu * l->doubt;
   }
-  if (spare[0] >= 0.0f && spare[1] >= 0.0f) { /* as c = 1 says already */
-    return 1;
-  }
   for (pass = 0; pass < 2; pass++) { /* c of where it lets go is the best */
-    const float c = 0.5f * smap_root((y[0] + t * (y[1] - y[0])) / (l->sunk[0] + t * (l->sunk[1] - l->sunk[0])));
+    const float e0 = l->sunk[0], e1 = l->sunk[1];
+    const float c = 0.5f * smap_root((y[0] + t * (y[1] - y[0])) / (e0 + t * (e1 - e0)));
     const float d = 0.25f / c;
-    begin = in[0] - c * l->sunk[0] - d * y[0];
-    last = in[1] - c * l->sunk[1] - d * y[1];
-    if ((begin < 0.0f) == (last < 0.0f)) {
-      break;
+    const float first = in[0] - c * e0 - d * y[0], last = in[1] - c * e1 - d * y[1];
+    holds = first >= 0.0f;
+    if (holds == (last >= 0.0f)) {
+      return holds;
     }
-    t = begin / (begin - last);
+    t = first / (first - last);
   }
-  if (!(begin >= 0.0f || last >= 0.0f)) {
-    return 0;
-  }
-  if (!(begin >= 0.0f) && !(t <= span[0])) {
-    span[0] = t;
-  }
-  if (!(last >= 0.0f) && !(t >= span[1])) {
+  if (holds && !(t >= span[1])) {
     span[1] = t;
+  }
+  if (!holds && !(t <= span[0])) {
+    span[0] = t;
   }
   return span[0] < span[1];
 }
@@ -113,8 +112,8 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
 static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
 {
   uint8_t left = SMAP_MAX_CORNERS;
-  for (e = smap_after(w, e); left > 0 && w->joined[e]; left--) {
-    e = smap_after(w, w->twin[e]);
+  for (e = w->next[e]; left > 0 && w->joined[e]; left--) {
+    e = w->next[w->twin[e]];
   }
   return e;
 }
@@ -126,7 +125,7 @@ static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, floa
   uint8_t left = SMAP_MAX_CORNERS, e;
   for (e = smap_onward(w, came); e != came && left > 0; e = smap_onward(w, e), left--) {
     /* Rests that are one have planes of their own. */
-    l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * w->map->size * w->map->size;
+    l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * SMAP_SIZE(w) * SMAP_SIZE(w);
     if (!smap_hold(w, e, l, span)) {
       return 0;
     }

@@ -50,67 +50,61 @@ static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_
   return 0;
 }
 
-/* Find the centroid of a triangle; 0 where it is not as wide as a rest: it is least wide across its longest side. */
-static int smap_measure_triangle(const smap_work_t *w, float (*p)[3], float centre[3])
+/* Tells whether a polygon is as wide as a rest in every direction. */
+static int smap_is_wide(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count)
 {
   const float width = w->map->rest_width;
-  float a[3], b[3], in[3], longest, other, third;
-  uint8_t k;
-  smap_minus(p[1], p[0], a);
-  smap_minus(p[2], p[0], b);
-  smap_cross(b, a, in);
-  longest = smap_dot(a, a);
-  other = smap_dot(b, b);
-  third = longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
-  longest = other > longest ? other : longest;
-  longest = third > longest ? third : longest;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    centre[k] = p[0][k] + (a[k] + b[k]) * (1.0f / 3.0f);
-  }
-  other = smap_dot(in, in);
-  return other > 0.0f && other >= width * width * longest;
-}
-
-/* Find the area centroid of a polygon; 0 where it is not as wide as a rest in every direction. */
-static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count, float centre[3])
-{
-  const float width = w->map->rest_width;
-  float area = 0.0f;
-  uint8_t i, j, k;
-  centre[0] = centre[1] = centre[2] = 0.0f;
+  uint8_t i, j;
   for (i = 0; i < count; i++) {
-    const uint8_t next = i + 1 < count ? (uint8_t)(i + 1) : 0;
+    const uint8_t next = i + 1 < count ? (uint8_t)(i + 1) : (uint8_t)0;
     float u[3], in[3], from, most = 0.0f;
     smap_minus(p[next], p[i], u);
     smap_cross(u, n, in);
     from = smap_dot(p[i], in);
     for (j = 0; j < count; j++) {
-      if (j != i && j != next) {
-        const float far = smap_dot(p[j], in) - from;
-        most = far > most ? far : most;
-      }
+      const float far = smap_dot(p[j], in) - from;
+      most = far > most ? far : most;
     }
     if (!(most > 0.0f && most * most >= width * width * smap_dot(u, u))) {
       return 0;
     }
-    if (i > 0 && next != 0) { /* a fan from corner 0 */
-      float a[3], b[3], part;
-      smap_minus(p[i], p[0], a);
-      smap_minus(p[next], p[0], b);
-      smap_cross(b, a, in);
-      part = smap_dot(in, n);
-      area += part;
-      SMAP_THRICE
-      for (k = 0; k < 3; k++) {
-        centre[k] += part * (a[k] + b[k]);
-      }
+  }
+  return 1;
+}
+
+/* Find the area centroid of a polygon; 0 where it is not as wide as a rest in every direction. */
+static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count,
+                        float centre[3])
+{
+  const float width = w->map->rest_width;
+  float sum[3] = {0.0f, 0.0f, 0.0f}, area = 0.0f;
+  uint8_t i, k;
+  int wide = 0;
+  for (i = 1; i + 1 < count; i++) { /* a fan of triangles from corner 0: one as wide is enough */
+    float a[3], b[3], in[3], part, longest, other, third;
+    smap_minus(p[i], p[0], a);
+    smap_minus(p[i + 1], p[0], b);
+    smap_cross(b, a, in);
+    part = smap_dot(in, n);
+    area += part;
+    longest = smap_dot(a, a);
+    other = smap_dot(b, b);
+    third = longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
+    longest = other > longest ? other : longest;
+    longest = third > longest ? third : longest;
+    wide |= part > 0.0f && part * part >= width * width * longest; /* across its longest side */
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      sum[k] += part * (a[k] + b[k]);
     }
+  }
+  if (!wide && (count == 3 || !smap_is_wide(w, n, p, count))) {
+    return 0;
   }
   area = 1.0f / (3.0f * area);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    centre[k] = p[0][k] + centre[k] * area;
+    centre[k] = p[0][k] + sum[k] * area;
   }
   return 1;
 }

@@ -5,7 +5,6 @@
  * width, tolerance, rock chord, guard, off, turned: see smap_limits_t), tracks u8, the first contact of each track and
  * behind the last u8, the recipe's number of each contact u8, the room of a pose u8[5].  Without tracks the byte behind
  * the last tells how many axles swing: see smap_swing.h. */
-enum { SMAP_SINGLES = 44 };
 
 typedef struct {
   smap_pose_t head;
@@ -26,7 +25,7 @@ typedef struct {
 static void smap_limits(const smap_t *map, smap_limits_t *m)
 {
   const smap_bytes_t body = smap_body(map) + SMAP_IN_MANY;
-  m->contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  m->placed = m->contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   m->tracks = body[SMAP_SINGLES];
   m->first = body + SMAP_SINGLES + 1;
   m->named = m->first + m->tracks + 1;
@@ -49,7 +48,7 @@ static void smap_limits(const smap_t *map, smap_limits_t *m)
 SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap_work_t *work)
 {
   const uint8_t flags = smap_body(map)[SMAP_IN_FLAGS];
-  float q[SMAP_MAX_PARAMS], p[SMAP_MAX_COORDINATES];
+  float q[SMAP_MAX_PARAMS];
   const int8_t status = smap_range(map, params, q);
   smap_places_t at;
   uint8_t i;
@@ -57,26 +56,15 @@ SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap
     return status;
   }
   at = smap_places(map);
-  smap_positions(map, q, p);
+  smap_positions(map, q, work->p[0]);
   for (i = 0; i < at.contacts; i++) {
-    memcpy(work->p[i], &p[3 * i], sizeof work->p[i]);
     work->r[i] = flags & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
     if (SMAP_DISCS > 0) {
       work->axle_of[i] = smap_body(map)[SMAP_IN_AXES] != 0 ? at.axis_of[i] : (uint8_t)SMAP_NO_AXIS;
     }
   }
-  work->axles = 0;
-  if (SMAP_DISCS > 0) {
-    work->axles = smap_body(map)[SMAP_IN_AXES];
-    memcpy(work->axle, p + 3 * at.contacts, work->axles * sizeof work->axle[0]);
-  }
+  work->axles = SMAP_DISCS > 0 ? smap_body(map)[SMAP_IN_AXES] : (uint8_t)0;
   return SMAP_OK;
-}
-
-/* Tells whether the axis of all discs is not y; a compiler knows that of its own map. */
-SMAP_INLINE int smap_is_turned(const smap_t *map)
-{
-  return SMAP_TRACKS > 1 && smap_f32(smap_body(map) + SMAP_IN_MANY + 4) != 1.0f;
 }
 
 static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
@@ -125,7 +113,7 @@ SMAP_APART static int8_t smap_make(const smap_t *map, const float *params, smap_
   }
   smap_limits(map, &m);
   status = smap_make_region(&m, at, o, work);
-  if (smap_is_turned(map)) {
+  if (SMAP_IS_TURNED(&m)) {
     smap_turn_region(&m, at, o);
   }
   return status;

@@ -14,130 +14,29 @@
 #include "smap_landing.h"
 #include "smap_gaps.h"
 #include "smap_boundary.h"
+#include "smap_hull.h"
 
-/* Rests of discs and points on parallel axes: the history of a hull over pitch.
- *
- *   Contacts at one y are a track, from the left to the right; its level at a pitch is L = max (x s - z c + r),
- *   with sine s and cosine c of the pitch.  Two tracks carry where they are neighbours on the upper hull of (y, L):
- *       L ^     o-------o          As the pitch grows a track goes on to another disc (a bend), or leaves the hull, or
- *         |    /         `-o       enters it.  At each such event all that is on one line there makes up a facet:
- *         |   o   x (off)  |       its corners are the discs that were on the hull, and those that are now.
- *         +---------------------> right
- * A facet's plane is s x + t y - c z = h |(s, t, -c)|, with the slope t of that line. */
-#define SMAP_UNITE 2e-5f   /* rad: changes that are nearer are one facet's */
 #define SMAP_TURNED 2.0f   /* times what a facet is bent at a track that turns walls may be off */
-#define SMAP_RECESS 3e-7f  /* of the size: inner tracks count as this much lower */
-#define SMAP_ABOVE 1e-6f   /* of the size: no further is a track above a chord by rounding */
 #define SMAP_BEFORE 0.96f  /* of the cosine of the steepest pitch: before any rest the history begins, */
 #define SMAP_EARLIER 0.85f /* and looks for bends from here */
-#define SMAP_NEVER 2.0f
+#define SMAP_BELOW 2e-5f   /* of the size: a facet has no contact as far below it */
 
-/* `was` and `old` are from before the pitch that is looked at.  pend: the edge from a track to the next one on the
- * hull, of the rest that both left last. */
-typedef struct {
-  float bend[SMAP_TRACKS];
-  uint8_t disc[SMAP_TRACKS], onto[SMAP_TRACKS], on[SMAP_TRACKS], was[SMAP_TRACKS], old[SMAP_TRACKS];
-  uint8_t bent[SMAP_TRACKS], changed[SMAP_TRACKS], pend[SMAP_TRACKS];
-} smap_hull_t;
-
-SMAP_INLINE float smap_level(const smap_work_t *w, uint8_t i, float s, float c)
+/* How many contacts are on the plane that a contact touches, within the map's tolerance, or
+ * SMAP_NONE where one is below it; `length`: of the plane's normal. */
+static uint8_t smap_near(const smap_work_t *w, uint8_t i, const float plane[3], float length)
 {
-  return w->p[i][0] * s - w->p[i][2] * c + w->r[i];
-}
-
-/* Where a contact touches a plane of a pitch. */
-SMAP_INLINE void smap_touch_at(const smap_work_t *w, uint8_t i, float s, float c, float out[3])
-{
-  out[0] = w->p[i][0] + w->r[i] * s;
-  out[1] = w->p[i][1];
-  out[2] = w->p[i][2] - w->r[i] * c;
-}
-
-static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3])
-{
-  const float size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
-  smap_touch_at(w, i, n[0] * size, -n[2] * size, out);
-}
-
-/* The sine at which x s - z c + q, with c = root(1 - s^2), rises through zero behind s0. */
-static float smap_rises(float x, float z, float q, float s0, float least)
-{
-  const float d2 = x * x + z * z, w2 = d2 - q * q;
-  float w, s;
-  if (!(w2 > least)) {
-    return SMAP_NEVER;
-  }
-  w = smap_root(w2);
-  if (!(w * x + q * z > 0.0f)) {
-    return SMAP_NEVER;
-  }
-  s = (w * z - q * x) / d2;
-  return s > s0 ? s : SMAP_NEVER;
-}
-
-/* Find the next disc of a track behind the pitch of sine s0. */
-static void smap_next_bend(const smap_work_t *w, smap_hull_t *h, uint8_t k, float s0)
-{
-  const uint8_t i = h->disc[k], end = w->map->first[k + 1];
-  const float least = 1e-12f * w->map->size * w->map->size;
-  uint8_t j;
-  h->bend[k] = SMAP_NEVER;
-  for (j = w->map->first[k]; j < end; j++) {
-    const float s = smap_rises(w->p[j][0] - w->p[i][0], w->p[j][2] - w->p[i][2], w->r[j] - w->r[i], s0, least);
-    if (s < h->bend[k]) {
-      h->bend[k] = s;
-      h->onto[k] = j;
+  const float s = plane[0], t = plane[1], c = plane[2];
+  const float height = smap_level(w, i, s, c) + w->p[i][1] * t;
+  float least = 0.0f;
+  uint8_t near = 0, j;
+  for (j = 0; j < SMAP_CONTACTS(w); j++) {
+    const float above = height - smap_level(w, j, s, c) - w->p[j][1] * t;
+    if (above <= w->map->tolerance * length) {
+      near++;
+      least = above < least ? above : least;
     }
   }
-}
-
-/* Where the inner track k leaves the hull, or enters it. */
-static float smap_turn_of(const smap_work_t *w, const smap_hull_t *h, uint8_t k, float s0)
-{
-  const float size = w->map->size, sign = h->on[k] ? -1.0f : 1.0f;
-  uint8_t a = k, b = k, d = h->disc[k];
-  const float *p = w->p[d], *pa, *pb;
-  float part, rest, x, z, q;
-  while (!h->on[--a]) { /* the first and the last always are */
-  }
-  while (!h->on[++b]) {
-  }
-  a = h->disc[a];
-  b = h->disc[b];
-  pa = w->p[a];
-  pb = w->p[b];
-  part = (p[1] - pb[1]) / (pa[1] - pb[1]);
-  rest = 1.0f - part;
-  x = sign * (p[0] - part * pa[0] - rest * pb[0]);
-  z = sign * (p[2] - part * pa[2] - rest * pb[2]);
-  q = sign * (w->r[d] - part * w->r[a] - rest * w->r[b] - SMAP_RECESS * size);
-  if (x * s0 - z * smap_root(1.0f - s0 * s0) + q > SMAP_ABOVE * size) {
-    return s0;
-  }
-  return smap_rises(x, z, q, s0, 1e-12f * size * size);
-}
-
-/* Find which tracks are on the upper hull of the levels at a pitch. */
-static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c)
-{
-  const uint8_t tracks = SMAP_TRACKS_OF(w);
-  float level[SMAP_TRACKS], y[SMAP_TRACKS];
-  uint8_t list[SMAP_TRACKS], n = 0, k;
-  for (k = 0; tracks > 2 && k < tracks; k++) { /* two always are */
-    const uint8_t i = h->disc[k];
-    const float high = smap_level(w, i, s, c) - (k > 0 && k + 1 < tracks ? SMAP_RECESS * w->map->size : 0.0f);
-    while (n > 1 && (level[n - 1] - level[n - 2]) * (y[n - 1] - w->p[i][1]) <=
-                        (high - level[n - 1]) * (y[n - 2] - y[n - 1])) {
-      n--;
-    }
-    level[n] = high;
-    y[n] = w->p[i][1];
-    list[n++] = k;
-    h->on[k] = 0;
-  }
-  while (n > 0) {
-    h->on[list[--n]] = 1;
-  }
+  return least >= -SMAP_BELOW * SMAP_SIZE(w) * length ? near : (uint8_t)SMAP_NONE;
 }
 
 /* Add the facet of the tracks list[0..last], if it is a rest.  `side` is its edge on the last track between the disc
@@ -145,9 +44,10 @@ static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c
 static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint8_t last, const float plane[3],
                        uint8_t *side)
 {
-  const float s = plane[0], c = plane[2], size = 1.0f / smap_root(1.0f + plane[1] * plane[1]);
+  const float s = plane[0], c = plane[2];
+  const float length = smap_root(1.0f + plane[1] * plane[1]), size = 1.0f / length;
   const float n[3] = {s * size, plane[1] * size, -c * size};
-  float p[2 * SMAP_TRACKS][3], extent[SMAP_MAX_CONTACTS];
+  float p[2 * SMAP_TRACKS][3];
   uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first;
   *side = SMAP_NONE;
   for (j = 0; j <= last; j++) { /* the way that was on the hull */
@@ -168,10 +68,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   for (j = 0; j < count; j++) {
     smap_touch_at(w, id[j], s, c, p[j]);
   }
-  for (j = 0; j < SMAP_CONTACTS(w); j++) {
-    extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
-  }
-  first = smap_add_rest(w, n, p, id, count, extent, 0);
+  first = smap_add_rest(w, n, p, id, count, smap_near(w, id[0], plane, length));
   if (first != SMAP_NONE) {
     for (j = 0; j + 1 < turns; j++) {
       if (h->pend[track[j]] != SMAP_NONE) {
@@ -196,53 +93,24 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   }
 }
 
-/* Let all that changes at a pitch change: bends, and which tracks are on the hull.  Returns whether any has. */
-static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
-{
-  const uint8_t tracks = SMAP_TRACKS_OF(w);
-  const float later = s + 1.5f * SMAP_UNITE * c;
-  uint8_t k, left, any = 0;
-  memcpy(h->was, h->on, sizeof h->was);
-  memcpy(h->old, h->disc, sizeof h->old);
-  for (k = 0; k < tracks; k++) {
-    h->bent[k] = 0;
-    for (left = SMAP_MAX_CONTACTS; left > 0 && h->bend[k] <= s + SMAP_UNITE * c; left--) {
-      h->disc[k] = h->onto[k];
-      h->bent[k] = any = 1;
-      smap_next_bend(w, h, k, h->bend[k]);
-    }
-  }
-  smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
-  for (k = 1; k + 1 < tracks; k++) {
-    h->changed[k] = h->on[k] != h->was[k];
-    any |= h->changed[k];
-  }
-  return any;
-}
-
-/* The slope of the line through two of some tracks. */
-SMAP_INLINE float smap_slope(const smap_work_t *w, const smap_hull_t *h, const uint8_t *list, const float *level,
-                             uint8_t a, uint8_t b)
-{
-  return (level[b] - level[a]) / (w->p[h->old[list[a]]][1] - w->p[h->old[list[b]]][1]);
-}
-
 /* Add the facets at a pitch: of neighbours on the hull those on one line. */
 static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
 {
-  float level[SMAP_TRACKS + 1], plane[3] = {s, 0.0f, c};
+  float level[SMAP_TRACKS + 1], y[SMAP_TRACKS + 1], plane[3] = {s, 0.0f, c};
   uint8_t list[SMAP_TRACKS + 1], n = 0, from, to, k, side = SMAP_NONE;
   for (k = 0; k < SMAP_TRACKS_OF(w); k++) {
     if (h->was[k] || h->on[k]) {
       level[n] = smap_level(w, h->old[k], s, c);
+      y[n] = w->p[h->old[k]][1];
       list[n++] = k;
     }
   }
   for (from = 0; from + 1 < n; from = to) {
-    const float first = smap_slope(w, h, list, level, from, (uint8_t)(from + 1));
+    const float first = (level[from + 1] - level[from]) / (y[from] - y[from + 1]);
     uint8_t any = h->bent[list[from]] | h->bent[list[from + 1]];
     for (to = (uint8_t)(from + 1); to + 1 < n; to++) {
-      const float more = smap_absolute(smap_slope(w, h, list, level, to, (uint8_t)(to + 1)) - first);
+      const float slope = (level[to + 1] - level[to]) / (y[to] - y[to + 1]);
+      const float more = smap_absolute(slope - first);
       if (more > SMAP_UNITE) {
         if (h->was[list[to]] && h->on[list[to]]) {
           break;
@@ -252,7 +120,7 @@ static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
       any |= h->bent[list[to + 1]];
     }
     if (any || to > from + 1) {
-      plane[1] = smap_slope(w, h, list, level, from, to);
+      plane[1] = (level[to] - level[from]) / (y[from] - y[to]);
       smap_enter(w, h, list + from, (uint8_t)(to - from), plane, &side);
     } else {
       side = SMAP_NONE;
@@ -269,14 +137,17 @@ static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
   const float d = SMAP_EARLIER * m->steepest, early = -smap_root(1.0f - d * d);
   uint8_t k, i;
   for (k = 0; k < SMAP_TRACKS_OF(w); k++) {
-    const uint8_t first = m->first[k];
+    const uint8_t first = SMAP_FIRST(w)[k], end = SMAP_FIRST(w)[k + 1];
     float most = -SMAP_LARGEST;
     h->disc[k] = first; /* of places that are no numbers, too */
-    for (i = first; i < m->first[k + 1]; i++) {
+    for (i = first; i < end; i++) {
       const float x = w->p[i][0], y = w->p[i][1];
       float level;
-      w->p[i][0] = x * m->axis[1] - y * m->axis[0];
-      w->p[i][1] = i == first ? x * m->axis[0] + y * m->axis[1] : w->p[first][1];
+      if (SMAP_IS_TURNED(m)) {
+        w->p[i][0] = x * m->axis[1] - y * m->axis[0];
+        w->p[i][1] = x * m->axis[0] + y * m->axis[1];
+      }
+      w->p[i][1] = w->p[first][1];
       level = smap_level(w, i, s, c);
       if (level > most) {
         most = level;

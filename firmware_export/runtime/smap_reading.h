@@ -114,15 +114,12 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
     return smap_deny(out, -SMAP_PI, SMAP_TIPS);
   }
   tip = smap_inside(at, o, best, g, &which);
-  for (i = 0; at->nearly && tip < 0.0f && i < at->rests; i++) { /* planes that are all but one are in any order */
-    uint8_t near;
-    const float in = smap_inside(at, o, i, g, &near);
-    if (in >= 0.0f) {
-      tip = in;
-      best = i;
-      which = near;
-      rate = smap_dot(o->plane[i], g);
+  if (tip < 0.0f && at->nearly) { /* planes that are all but one are in any order */
+    for (i = 0; tip < 0.0f && i < at->rests; i++) {
+      tip = smap_inside(at, o, i, g, &which);
     }
+    best = tip < 0.0f ? best : (uint8_t)(i - 1u);
+    rate = smap_dot(o->plane[best], g);
   }
   if (tip >= 0.0f && at->own[best] != SMAP_NONE) {
     arc = (uint8_t)(at->own[best] + which - at->first[best]);

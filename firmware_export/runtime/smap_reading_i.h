@@ -185,15 +185,12 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
     return smap_deny_i(out, SMAP_TIPS);
   }
   tip = smap_inside_i(at, o, best, g, all, &which);
-  for (i = 0; at->nearly && tip < 0 && i < at->rests; i++) {
-    uint8_t near;
-    const int32_t in = smap_inside_i(at, o, i, g, all, &near);
-    if (in >= 0) {
-      tip = in;
-      best = i;
-      which = near;
-      rate = smap_dot_i(o->plane[i], g);
+  if (tip < 0 && at->nearly) {
+    for (i = 0; tip < 0 && i < at->rests; i++) {
+      tip = smap_inside_i(at, o, i, g, all, &which);
     }
+    best = tip < 0 ? best : (uint8_t)(i - 1u);
+    rate = smap_dot_i(o->plane[best], g);
   }
   if (tip >= 0 && at->own[best] != SMAP_NONE) {
     arc = tip < all ? (uint8_t)(at->own[best] + which - at->first[best]) : (uint8_t)SMAP_NONE;

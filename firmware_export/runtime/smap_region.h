@@ -9,18 +9,20 @@
  * the centre of mass, and the wall through that edge.  Behind the walls of all corners come the two sides of each gap,
  * and behind the corners the four places at which the held parts of edges begin and end. */
 #define SMAP_NONE 255u
+enum { SMAP_SINGLES = 44 }; /* bytes of a map's numbers of length and angle: see smap_pose.h */
 #define SMAP_WALLS (SMAP_MAX_CORNERS + 2 * SMAP_MAX_GAPS)
-#define SMAP_MOST_PLACES 100u /* behind the corners; their numbers are of 8 bits */
-#define SMAP_PLACES (SMAP_MAX_CORNERS + (SMAP_MAX_GAPS < 25u ? 4u * SMAP_MAX_GAPS : SMAP_MOST_PLACES))
+#define SMAP_HELD_EDGES (SMAP_MAX_GAPS < 25 ? SMAP_MAX_GAPS : 25) /* each of four places, with numbers of 8 bits */
+#define SMAP_PLACES (SMAP_MAX_CORNERS + 4 * SMAP_HELD_EDGES)
 #define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
-#define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
 #define SMAP_OVERLAP 2u   /* where rests may, as those on which axles swing */
+#define SMAP_SQUARE_LEAST 0x06800000u /* bits of 2^-114, the square of the least length that has a direction, */
+#define SMAP_SQUARE_MOST 0x78000000u  /* and of 2^113, of the greatest */
 
 /* The robot's numbers beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
  * which a roll ends elsewhere, also for each rad that it turns. */
 typedef struct {
   smap_bytes_t first, named, room; /* of each track its first contact; of each contact the recipe's number; see below */
-  uint8_t contacts, tracks;
+  uint8_t placed, contacts, tracks; /* placed: contacts, and the points of axles that swing */
   float axis[2], size, steepest, least_height, rest_width, tolerance, rock_chord, guard, off, turned;
 } smap_limits_t;
 
@@ -59,9 +61,11 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
+  float p[SMAP_MAX_CONTACTS + (SMAP_DISCS > 0 ? SMAP_DISCS : 1)][3]; /* contacts, then axles of discs */
+  float r[SMAP_MAX_CONTACTS];
   uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls */
   float normal[SMAP_MAX_RESTS][3];
+  uint8_t next[SMAP_MAX_CORNERS]; /* the corner behind on its rest */
   uint8_t upto[SMAP_MAX_CORNERS], onward[SMAP_MAX_CORNERS]; /* an edge is boundary up to one place, and from one on */
   uint8_t joined[SMAP_MAX_CORNERS]; /* whether the rests on both sides of an edge are one */
   uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
@@ -71,7 +75,14 @@ typedef struct {
 
 /* How many there are: of its own map a compiler knows it. */
 #define SMAP_CONTACTS(w) SMAP_GIVEN((w)->map->contacts, SMAP_MAX_CONTACTS - 2 * SMAP_PIVOTS)
+#define SMAP_AXLES(w) (&(w)->p[SMAP_GIVEN((w)->map->placed, SMAP_MAX_CONTACTS)])
 #define SMAP_TRACKS_OF(w) SMAP_GIVEN((w)->map->tracks, SMAP_TRACKS)
+#define SMAP_FIRST(w) SMAP_GIVEN((w)->map->first, smap_body(0) + SMAP_IN_MANY + SMAP_SINGLES + 1)
+#define SMAP_NAMED(w) \
+  SMAP_GIVEN((w)->map->named, SMAP_FIRST(w) + 1 + (SMAP_TRACKS > 1 ? SMAP_TRACKS : 0))
+#define SMAP_IS_TURNED(m) /* whether the axis of all discs is not y */ \
+  (SMAP_TRACKS > 1 && SMAP_GIVEN((m)->axis[1], smap_f32(smap_body(0) + SMAP_IN_MANY + 4)) != 1.0f)
+#define SMAP_SIZE(w) SMAP_GIVEN((w)->map->size, smap_f32(smap_body(0) + SMAP_IN_MANY + 8))
 
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
@@ -100,7 +111,7 @@ static int smap_unit(float v[3])
 {
   const float size2 = smap_dot(v, v);
   float scale;
-  if (!(size2 > 1e-34f && size2 < 1e34f)) {
+  if (smap_bits(size2) - SMAP_SQUARE_LEAST > SMAP_SQUARE_MOST - SMAP_SQUARE_LEAST) {
     return 0;
   }
   scale = 1.0f / smap_root(size2);
@@ -110,46 +121,32 @@ static int smap_unit(float v[3])
   return 1;
 }
 
-/* The corner behind e on its rest. */
-SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
-{
-  const uint8_t r = w->rest[e];
-  return e + 1 < w->at->first[r + 1] ? (uint8_t)(e + 1) : w->at->first[r];
-}
-
 #include "smap_polygon.h"
 
-/* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
- * tells how far each contact extends along n; `swung` whether an axle stands there, so that they are the whole
- * polygon. */
-static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
-                             const float *extent, int swung)
+/* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `near`:
+ * how many contacts are on its plane, within the map's tolerance; SMAP_NONE: one is below it. */
+static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id,
+                             uint8_t count, uint8_t near)
 {
   const uint8_t r = w->at->rests, first = w->at->first[r];
-  const float height = smap_dot(p[0], n), size = w->map->size;
+  const float height = smap_dot(p[0], n);
   smap_region_t *const o = w->region;
-  uint8_t i, k, near = 0;
+  uint8_t i, k;
   int wide;
-  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 ||
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || near == SMAP_NONE ||
       SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
       SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
-  for (i = 0; i < SMAP_CONTACTS(w); i++) {
-    if (extent[i] > height + SMAP_BELOW * size) {
-      return SMAP_NONE;
-    }
-    near = (uint8_t)(near + (extent[i] >= height - w->map->tolerance));
-  }
-  if (swung || near <= count) {
-    wide = count == 3 ? smap_measure_triangle(w, p, o->centre[r]) : smap_measure(w, n, p, count, o->centre[r]);
+  if (near <= count) {
+    wide = smap_measure(w, n, p, count, o->centre[r]);
   } else { /* all of them make up the support polygon */
     float q[SMAP_MAX_CONTACTS][3];
     uint8_t all[SMAP_MAX_CONTACTS];
     near = 0;
     for (i = 0; i < SMAP_CONTACTS(w); i++) {
-      if (extent[i] >= height - w->map->tolerance) {
-        smap_touch(w, i, n, q[near]);
+      smap_touch(w, i, n, q[near]);
+      if (smap_dot(q[near], n) >= height - w->map->tolerance) {
         all[near++] = i;
       }
     }
@@ -168,7 +165,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     w->rest[e] = r;
     w->twin[e] = SMAP_NONE;
     w->joined[e] = 0;
-    w->upto[e] = (uint8_t)(first + next);
+    w->upto[e] = w->next[e] = (uint8_t)(first + next);
     w->onward[e] = SMAP_NONE;
   }
   SMAP_THRICE
@@ -187,7 +184,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
  * contacts. */
 static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 {
-  if (w->contact[a] == w->contact[smap_after(w, b)] && w->contact[b] == w->contact[smap_after(w, a)]) {
+  if (w->contact[a] == w->contact[w->next[b]] && w->contact[b] == w->contact[w->next[a]]) {
     float d[3];
     smap_minus(w->normal[w->rest[a]], w->normal[w->rest[b]], d);
     w->joined[a] = w->joined[b] = smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
@@ -199,15 +196,17 @@ static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 /* Add the part of the boundary on a wall from one place to another, which is counter-clockwise seen from the com. */
 static void smap_add_arc(smap_work_t *w, uint8_t wall, uint8_t from, uint8_t to, uint8_t i, uint8_t j)
 {
-  smap_arc_t *const arc = &w->at->arc[w->at->arcs];
-  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, w->at->arcs, SMAP_MAX_ARCS)) {
+  smap_layout_t *const at = w->at;
+  const smap_bytes_t named = SMAP_NAMED(w);
+  smap_arc_t *const arc = &at->arc[at->arcs];
+  if (SMAP_IS_FULL(w, SMAP_OF_ARCS, at->arcs, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
+  at->arcs++;
   arc->wall = wall;
   arc->from = from;
   arc->to = to;
-  arc->over[0] = w->map->named[i];
-  arc->over[1] = w->map->named[j];
-  w->at->arcs++;
+  arc->over[0] = named[i];
+  arc->over[1] = named[j];
 }

@@ -32,10 +32,10 @@ typedef struct {
 /* Find where all contacts touch a plane, and which of them, but for three, is furthest below it; SMAP_NONE: none. */
 static uint8_t smap_survey(smap_search_t *s, const float n[3], uint8_t i, uint8_t j, uint8_t k, float noise)
 {
-  float most = noise * s->w->map->size, level, reach[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
+  float most = noise * SMAP_SIZE(s->w), level, reach[SMAP_DISCS > 0 ? SMAP_DISCS : 1][3];
   uint8_t l, worst = SMAP_NONE;
   for (l = 0; l < s->w->axles; l++) {
-    smap_reach(s->w->axle[l], n, reach[l]);
+    smap_reach(SMAP_AXLES(s->w)[l], n, reach[l]);
   }
   smap_touch(s->w, i, n, s->there[i]);
   level = smap_dot(s->there[i], n);
@@ -91,7 +91,7 @@ static int smap_settle(const smap_work_t *w, uint8_t i, uint8_t j, uint8_t k, co
 static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3],
                           const uint8_t *skip, float *cotangent)
 {
-  const float size = s->w->map->size, touches = SMAP_TOUCHES * size;
+  const float size = SMAP_SIZE(s->w), touches = SMAP_TOUCHES * size;
   uint8_t l, to = SMAP_NONE;
   *cotangent = -SMAP_LARGEST;
   for (l = 0; l < SMAP_CONTACTS(s->w); l++) {

@@ -27,20 +27,21 @@ static void smap_reach(const float axle[3], const float n[3], float out[3])
 {
   const float cosine = smap_dot(axle, n), flat = 1.0f - cosine * cosine;
   const float size = 1.0f / smap_root(flat > SMAP_FLAT ? flat : SMAP_FLAT);
-  uint8_t k;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = size * (n[k] - cosine * axle[k]);
-  }
+  const float x = size * (n[0] - cosine * axle[0]), y = size * (n[1] - cosine * axle[1]);
+  const float z = size * (n[2] - cosine * axle[2]);
+  out[0] = x;
+  out[1] = y;
+  out[2] = z;
 }
 
 /* Find where a contact touches a plane, from the reach of its disc, or the normal. */
 SMAP_INLINE void smap_touch_by(const smap_work_t *w, uint8_t i, const float reach[3], float out[3])
 {
+  const float r = w->r[i];
   uint8_t k;
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + w->r[i] * reach[k];
+    out[k] = w->p[i][k] + r * reach[k];
   }
 }
 
@@ -48,7 +49,7 @@ static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float 
 {
   float reach[3];
   if (smap_is_disc(w, i)) {
-    smap_reach(w->axle[w->axle_of[i]], n, reach);
+    smap_reach(SMAP_AXLES(w)[w->axle_of[i]], n, reach);
   }
   smap_touch_by(w, i, smap_is_disc(w, i) ? reach : n, out);
 }
@@ -62,7 +63,7 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
   if (!smap_is_disc(w, i)) {
     return 0;
   }
-  smap_cross(w->axle[w->axle_of[i]], n, across);
+  smap_cross(SMAP_AXLES(w)[w->axle_of[i]], n, across);
   return !(smap_dot(across, across) > least * least);
 }
 
@@ -81,7 +82,7 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
  * rolls first: of round contacts that may be a thousandth of the size. */
 static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float (*p)[3], uint8_t *id, uint8_t count)
 {
-  const float size = s->w->map->size;
+  const float size = SMAP_SIZE(s->w);
   uint8_t k, kept = 0;
   for (k = 0; k < count; k++) {
     const uint8_t last = kept > 0 ? (uint8_t)(kept - 1u) : (uint8_t)(count - 1u);
@@ -110,7 +111,7 @@ static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float 
 static uint8_t smap_indent(const smap_search_t *s, const float n[3], float (*p)[3], uint8_t *id, uint8_t count,
                            uint8_t all)
 {
-  const float size = s->w->map->size;
+  const float size = SMAP_SIZE(s->w);
   uint8_t k, at, last;
   for (k = count; k < all; k++) {
     const float here[3] = {p[k][0], p[k][1], p[k][2]};
@@ -159,10 +160,10 @@ static uint8_t smap_common(const smap_facet_t *f, const uint8_t *id, uint8_t cou
 static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t three[3])
 {
   smap_work_t *const w = s->w;
-  const float top = smap_dot(s->there[three[0]], n) - SMAP_TOUCHES * w->map->size;
+  const float top = smap_dot(s->there[three[0]], n) - SMAP_TOUCHES * SMAP_SIZE(w);
   smap_facet_t *const f = &s->facet[s->facets];
   float p[SMAP_MAX_CONTACTS][3], extent[SMAP_MAX_CONTACTS];
-  uint8_t id[SMAP_MAX_CONTACTS], count = 0, k, flat = 0, alone = 0;
+  uint8_t id[SMAP_MAX_CONTACTS], count = 0, near = 0, k, flat = 0, alone = 0;
   for (k = 0; k < SMAP_CONTACTS(w); k++) {
     extent[k] = smap_dot(s->there[k], n);
     if (extent[k] >= top) {
@@ -199,12 +200,15 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   if (count < 3 || count > SMAP_MAX_SIDES) {
     return SMAP_NONE;
   }
+  for (k = 0; k < SMAP_CONTACTS(w); k++) {
+    near = (uint8_t)(near + (extent[k] >= smap_dot(p[0], n) - w->map->tolerance));
+  }
   memcpy(f->n, n, sizeof f->n);
   memcpy(f->id, id, count);
   f->count = count;
   f->first = flat || (SMAP_PIVOTS > 0 && smap_add_swung(w, n, smap_dot(p[0], n), extent))
                  ? (uint8_t)SMAP_NONE /* nor does the robot rock over an edge of what swings */
-                 : smap_add_rest(w, n, p, id, count, extent, 0);
+                 : smap_add_rest(w, n, p, id, count, near);
   return s->facets++;
 }
 

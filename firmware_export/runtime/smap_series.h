@@ -111,7 +111,7 @@ SMAP_INLINE float smap_series_code(smap_bytes_t codes, int wide, uint16_t term)
 }
 
 /* Contacts relative to the centre of mass, p[3 * contact]. */
-SMAP_PLAIN void smap_series_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
+SMAP_PLAIN void smap_series_positions(const smap_t *map, const float *q, float *p)
 {
   const smap_series_t at = smap_series_begin(map);
   const uint8_t groups = smap_series_groups(map), params = SMAP_BLOB(map)[SMAP_AT_PARAMS];

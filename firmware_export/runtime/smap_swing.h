@@ -39,14 +39,14 @@ static int smap_find_pivot(const smap_work_t *w, uint8_t i, const float n[3], sm
   float d[3], across[3], slope, part, apart, rise, further;
   uint8_t k;
   axle->own = i;
-  axle->line = w->axle[smap_is_disc(w, at) ? w->axle_of[at] : 0];
+  axle->line = SMAP_AXLES(w)[smap_is_disc(w, at) ? w->axle_of[at] : 0];
   axle->mass = w->r[at + 1];
   smap_touch(w, i, n, axle->ends[0]);
   smap_touch(w, (uint8_t)(i + 1), n, axle->ends[1]);
   smap_minus(axle->ends[1], axle->ends[0], d);
   apart = smap_root(smap_dot(d, d));
   smap_cross(d, n, across);
-  slope = apart > SMAP_UPON * w->map->size && smap_unit(across) ? smap_dot(axle->line, across) : 0.0f;
+  slope = apart > SMAP_UPON * SMAP_SIZE(w) && smap_unit(across) ? smap_dot(axle->line, across) : 0.0f;
   smap_minus(axle->ends[0], w->p[at], d);
   part = smap_dot(d, across) / slope;
   for (k = 0; k < 3; k++) {
@@ -208,7 +208,7 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
       id[count++] = o.at[k].id;
     }
   }
-  k = smap_add_rest(w, n, p, id, count, extent, 1);
+  k = smap_add_rest(w, n, p, id, count, 0);
   if (k != SMAP_NONE) {
     memcpy(w->region->wall[k], wall, count * sizeof *wall);
   }

@@ -13,7 +13,7 @@ import numpy as np
 from lutgen.vector import Floats
 
 # A wrench that is missing by less (of weight, and of weight x size) counts as none: 100 times what
-# the solver is asked for, below.
+# of the solver, below.
 MISSING = 1e-7
 # Steps of one programme, a hundred times what real scenes take: rounding may make it go in circles.
 OPTIONS = {
@@ -23,11 +23,11 @@ OPTIONS = {
 }
 # Tried in turn: each gives up on some programmes that the others solve.
 METHODS = ("highs", "highs-ds", "highs-ipm")
-# Half a side of the square in which the com is sought, in sizes.
+# Half a side of the square in which the com is searched, in sizes.
 BOX = 100.0
 # The region is refined until no side can be moved out by more, of its diameter.
 GAP = 1e-4
-# Lengths below it, of the size or the diameter, are none: a farthest com is known to about the
+# Lengths below it, of the size or the diameter, count as 0: a farthest com is known to about the
 # solver's accuracy of 1e-9, times as much as a com moves with a wrench in flat scenes.
 SAME = 1e-6
 # A round region takes some 200 corners to GAP; where rounding keeps finding more, there is an end.
@@ -87,11 +87,11 @@ class Balance:
         The sum of its six absolute components.  Without a com the best one is found, too.
         """
         count = self.edges.shape[1]
-        slack = np.hstack([np.eye(6), -np.eye(6)])
+        residue = np.hstack([np.eye(6), -np.eye(6)])
         box = [(-BOX, BOX)] * 2 if com is None else [(x, x) for x in com.tolist()]
         found = _solved(
             np.concatenate([np.zeros(count + 2), np.ones(12)]),
-            np.hstack([self.edges, COM, slack]),
+            np.hstack([self.edges, COM, residue]),
             WEIGHT,
             [*[(0.0, None)] * count, *box, *[(0.0, None)] * 12],
         )
@@ -132,8 +132,8 @@ class Balance:
     def region(self) -> Floats:
         """Return the corners (k, 2) of the com positions that hold, counter-clockwise.
 
-        Between two corners the farthest com beyond their side is asked for, and is a new corner,
-        until there is none (Bretl and Lall, Section IV).
+        Between two corners the farthest com beyond their side is a new corner, as long as there is
+        one (Bretl and Lall, Section IV).
         """
         missing, *start = self.missing(None)
         if not missing <= MISSING:

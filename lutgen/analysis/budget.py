@@ -3,13 +3,13 @@
 A robot that accelerates feels gravity and inertia together, g - a; it tips
 where that direction leaves the standing region.  The tip-over angle changes by no more than the
 direction turns, so a direction that is turned by as much as was read, and read again, comes to the
-limit and never beyond it, whatever robot it is.
+limit and never beyond it, for any robot.
 
-A stop takes from the com's velocity v what an impulse of the ground can take.  Of a point mass that
-is its largest part along a line from the com to a point P of the support polygon (v is projected
-onto a convex cone), so 1 - (v . P)^2 of its energy is kept: (z / r)^2 over the middle of an edge at
-r from a com z above it.  A body keeps less, as its own inertia takes momentum for each angle.  What
-is kept must not lift the com over the lowest edge, wherever that is: a robot that pitches on a
+A stop takes from the com's velocity v what an impulse of the ground can take.  For a point mass
+that is its largest part along a line from the com to a point P of the support polygon (v is
+projected onto a convex cone), so 1 - (v . P)^2 of its energy is kept: (z / r)^2 over the middle of
+an edge at r from a com z above it.  A body keeps less, as its own inertia takes momentum for each
+angle.  The rest must not lift the com over the lowest edge anywhere: a robot that pitches on a
 corner lands askew, and goes on sideways.
 
 On a slope the com also sinks while contacts are in the air.  Energy that would lift it by h throws
@@ -80,7 +80,7 @@ class StopSpeeds(NamedTuple):
     """Speeds (m/s) up to which no stop tips a robot over; infinite where it cannot tip.
 
     `all_at_once` (h,) are those of headings in which all contacts stop at once, brakes locked or at
-    a kerb; `anyhow` is whatever stops the robot, one wheel alone, and in whatever heading.
+    a kerb; `anyhow` is for any cause, one wheel alone too, and any heading.
     """
 
     all_at_once: Floats

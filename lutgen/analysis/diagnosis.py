@@ -45,7 +45,7 @@ class Diagnosis:
     is D_g in its plane, under forces the zero-moment point, and NaN without a facet.
     `normal_forces` are shares of the weight's component along the facet's normal, by name of all
     contacts that touch it: "exact" where only one distribution balances, as for three contacts not
-    in a line, "minimum norm" (of all that balance and nowhere pull) elsewhere; empty where the
+    in a line, "minimum norm" (of all that balance and do not pull) elsewhere; empty where the
     robot tips, and over a gap, where it rocks from one facet to another.  `normal_ranges` are the
     least and the largest share that each can carry, one distribution per bound.
     `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without a friction
@@ -149,7 +149,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
 
 
 def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
-    """Return the same under a load, where none has an energy margin."""
+    """Return the same under a load, for which the energy margin is not defined."""
     region, wrench = posture.stance.region, posture.wrench
     axes, found = kernels.empty_axes(region), []
     kernels.find_axes(region, wrench, axes)

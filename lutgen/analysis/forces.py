@@ -32,7 +32,7 @@ class Axle(NamedTuple):
 
 
 def load_corners(points: Floats, pierced: Floats) -> Floats:
-    """Return the corners (c, k) of the set of all loads that balance and nowhere pull.
+    """Return the corners (c, k) of the set of all loads that balance and do not pull.
 
     A load is each contact's share of the normal force; it balances if it adds up to 1 and its
     centre is D_g.  The set is bounded and convex, so a share's least and largest value, and the
@@ -72,9 +72,9 @@ def normal_forces(points: Floats, pierced: Floats) -> Floats:
     """Return each contact's share of the normal force, (k,), adding up to 1.
 
     Friction has no moment about axes in the contact plane, so force and moment balance about
-    D_g alone fix the shares of three contacts, whatever mu is.  Of more than three, or three in a
+    D_g alone fix the shares of three contacts for any mu.  For more than three, or three in a
     line, the balance may leave a choice; this is the solution of the smallest sum of squares in
-    which no contact pulls at the ground.  Where D_g is outside the polygon there is none, and some
+    which no contact pulls at the ground.  If D_g is outside the polygon, some
     share is negative, or, of contacts in a line, the moments do not balance.  Parameters are those
     of `load_corners`.
     """
@@ -85,10 +85,10 @@ def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
     """Return the same as `normal_forces`, with the corners (c, k) of `load_corners` known."""
     balance = np.vstack([np.ones(len(points)), _flat(points, pierced).T])
     if not len(corners):
-        # The smallest that balances, whether it pulls or not.
+        # The smallest that balances, pulling allowed.
         wanted = np.array([1.0, *np.zeros(len(balance) - 1)])
         return np.asarray(np.linalg.lstsq(balance, wanted, rcond=None)[0])
-    # No load rests on the others: without them D_g is amid those that can carry.
+    # No load rests on the others: without them D_g is between those that can carry.
     able, shares = corners.any(axis=0), np.zeros(len(points))
     carried = np.empty(int(able.sum()))
     smallest_shares(np.ascontiguousarray(balance[1:, able].T), carried)

@@ -55,8 +55,8 @@ def first_tilts(
 
     The end is the tilt at which the robot tips over; all are in rad.
 
-    `happens` takes directions (j, 3) in the body and returns (j,) bool.  What begins and ends
-    between two looks, a `step` apart, may be missed; the last step is halved.  NaN where it does
+    `happens` takes directions (j, 3) in the body and returns (j,) bool.  An interval within one
+    `step` may be missed; the last step is halved.  NaN where it does
     not happen before the end.  `convention` is that of `tilt.level_frames`.
     """
     heading = np.asarray(headings, dtype=np.float64)
@@ -142,8 +142,8 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     virtual power friction forces balance gravity, a unit vector (3,), if and only if no motion
     gains more than it costs.
 
-    ``"every"`` load that balances and nowhere pulls has at least this share (least at one of
-    `load_corners`), ``"some"`` has it.  Over a gap, where none balances, both are of the
+    ``"every"`` load that balances and does not pull has at least this share (least at one of
+    `load_corners`), ``"some"`` has it.  Over a gap, where no load balances, both are of the
     `normal_forces` that push.  1 without a rolling contact among the facet's, and on level ground.
     """
     contacts = [posture.recipe.contacts[i] for i in facet.touching]
@@ -172,7 +172,7 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
 
 
 def holds(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
-    """Tell whether one posture holds its place under every load that balances, (g,).
+    """Return True if one posture holds its place under every load that balances, (g,).
 
     True where it stands under `gravity_dir` (g, 3) (down, body frame, any length > 0) and friction
     keeps it from sliding and rolling: tan(slope) <= mu x `held_share`, and on level ground.
@@ -182,7 +182,7 @@ def holds(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
 
 
 def may_hold(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
-    """Tell whether one posture holds its place under some load that balances; else as `holds`.
+    """Return True if one posture holds its place under some load that balances; else as `holds`.
 
     Where it may hold and does not hold for every load, the answer depends on how the contacts share
     the weight, on springs and on what is a little longer or shorter.
@@ -191,13 +191,13 @@ def may_hold(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
 
 
 def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
-    """Tell whether one posture rolls away under every load that balances, (g,), see `holds`.
+    """Return True if one posture rolls away under every load that balances, (g,), see `holds`.
 
     True where it stands on a contact that rolls and does not even `may_hold`, also where it slides
     first; false where it tips and on level ground.  False is no promise that it stays.
     """
-    held, rolling = _verdicts(posture, gravity_dir, "some")
-    return np.asarray(rolling & ~held)
+    stays, rolling = _verdicts(posture, gravity_dir, "some")
+    return np.asarray(rolling & ~stays)
 
 
 def _verdicts(
@@ -207,7 +207,7 @@ def _verdicts(
     directions = checked_directions(gravity_dir)
     recipe, stance = posture.recipe, posture.stance_of_weight()
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
-    held, rolling = np.zeros((2, len(directions)), np.bool_)
+    stays, rolling = np.zeros((2, len(directions)), np.bool_)
     for d in np.flatnonzero(angle >= 0.0):
         facet = stance.under(directions[d])
         if facet is None:
@@ -218,10 +218,10 @@ def _verdicts(
         if rolling[d] and slope > LEVEL:
             share += UNSURE if loads == "some" else -UNSURE
         if recipe.friction is None:
-            held[d] = share >= NOTHING
+            stays[d] = share >= NOTHING
         else:
-            held[d] = slope <= LEVEL or math.tan(slope) <= recipe.friction * share
-    return held, rolling
+            stays[d] = slope <= LEVEL or math.tan(slope) <= recipe.friction * share
+    return stays, rolling
 
 
 def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:

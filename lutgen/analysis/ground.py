@@ -54,7 +54,8 @@ def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
     `up_dir` (3,) is what the accelerometer reads (specific force, body frame), any length > 0.
     Refused where gravity pierces no support facet: then nothing is known of the ground.
     """
-    roll, pitch = roll_pitch(up_dir)
+    x, y, z = unit_directions(up_dir)
+    roll, pitch = math.atan2(y, z), math.atan2(-x, math.hypot(y, z))
     down = gravity_from_up(up_dir)
     found = diagnose(posture, down)
     if found.facet is None:
@@ -67,9 +68,3 @@ def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
     downhill = math.atan2(gravity[1], gravity[0])
     height, standing = found.facet.height, found.standing
     return TangentPlane(roll, pitch, up, height, slope, downhill, gravity, standing)
-
-
-def roll_pitch(up_dir: ArrayLike) -> tuple[float, float]:
-    """Return the body's roll and pitch (rad) from what an accelerometer at rest reads (3,)."""
-    x, y, z = unit_directions(up_dir)
-    return math.atan2(y, z), math.atan2(-x, math.hypot(y, z))

@@ -54,7 +54,7 @@ class Edge:
         return np.where((ahead > 0.0) & (found < math.pi / 2.0), found, math.pi / 2.0)
 
     def holds(self, slope: Floats) -> bool:
-        """Tell whether the robot rolls on where gravity passes the edge at a slope (2,)."""
+        """Return True if the robot rolls on where gravity passes the edge at a slope (2,)."""
         if self.held is None:
             return False
         along = np.array([-self.normal[1], self.normal[0]])
@@ -79,7 +79,7 @@ class Seat:
     """One rest on tilted ground: the ground's frame in the body, and the edges of the rest.
 
     `frame` (3, 3) takes the ground's frame to the body's: its third column is the ground's upward
-    normal.  `group` tells the rest apart from others; rests that noise has made of one are one.
+    normal.  `group` is the number of the rest; rests that noise has made of one are one.
     """
 
     group: int

@@ -4,7 +4,7 @@
 gravity reaches an edge of the rest that it stands on, it rolls onto the rest beyond if the edge is
 held there (`lutgen.support.gaps`: one roll, one landing), and tips over if not.  The limit is the
 slope of the ground at that moment.  *Body tilt* (`tilt`) is what an accelerometer in the robot
-sees: its body turns further than the ground does where it rocks.
+reads: its body turns further than the ground does where it rocks.
 """
 
 import math
@@ -28,7 +28,7 @@ ON = 1e-9
 BESIDE = 1e-6
 # A bound is lowered by this (rad), some hundred roundings.
 ROUNDING = 1e-12
-# At which edge the limit is, over which edge the robot goes, and whether it rolls there.
+# At which edge the limit is, over which edge the robot goes, and True if it rolls there.
 Leaving = tuple[Edge, Edge, bool]
 
 
@@ -61,7 +61,7 @@ class GroundTilt:
     """The limits of one posture on tilted ground, in all headings; angles in rad.
 
     `pieces` cover the circle of headings; none of a robot that tips over on level ground.
-    `elsewhere` is a tilt below which it tips over on no rest that it could roll onto, whatever the
+    `elsewhere` is a tilt below which it tips over on no rest that it could roll onto, for any
     headings in which the ground was tilted before.
     """
 
@@ -86,12 +86,12 @@ class GroundTilt:
 
     @property
     def stands(self) -> bool:
-        """Whether the robot stands on level ground, if only just."""
+        """True if the robot stands on level ground, if only just."""
         return len(self.pieces) > 0
 
     @property
     def guaranteed(self) -> float:
-        """Slope up to which the robot tips over in no heading, whatever headings came before.
+        """Slope up to which the robot tips over in no heading, after any others.
 
         It holds for ground that has not been steeper since the robot stood on level ground: once it
         has rolled onto another rest on a steeper slope, it may have less left there.

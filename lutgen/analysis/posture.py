@@ -1,6 +1,6 @@
-"""One posture of a robot as Python sees it: its support facets and its tip-over axes.
+"""One posture of a robot for Python: its support facets and its tip-over axes.
 
-Every function of this room that asks about one posture takes a `Posture`; those that take many at
+Every function of this room about one posture takes a `Posture`; those that take many at
 once take a recipe and (m, k) rows of geometry parameters.
 """
 
@@ -87,7 +87,7 @@ class Stance:
     """Facets in canonical order, and the boundary of the standing region.
 
     `start` and `stop` (b, 3) are the tip-over axes' ends relative to the com, start x stop
-    pointing inward; `convex` tells whether the standing region is.  `region` is the kernels' own.
+    pointing inward; `convex` is True if the standing region is.  `region` is the kernels' own.
     """
 
     facets: tuple[Facet, ...]

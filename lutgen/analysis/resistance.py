@@ -120,7 +120,7 @@ def least_resistance(
     """Return the least resistance, per unit of friction, of all motions that go 1 downhill.
 
     Each motion meets the load, among several, that resists it most.  That is the largest resistance
-    of all their mixtures: by the minimax theorem it does not matter whether the motion or the load
+    of all their mixtures: by the minimax theorem it does not matter if the motion or the load
     is chosen first, as power is linear in the load and convex in the motion.  `motion` (k,) is
     BRAKED, DISC (rolling along) or SPHERE (rolling in every direction), `loads` (c, k) the shares
     of the normal force, `arm` (k, 2) leads from below the com to the contact points, x downhill, in

@@ -69,7 +69,7 @@ def tilt_limits(
 
     The robot stands at every tilt from 0 up to the limit (rad): (h,) for headings (h,), rad, and
     one posture (k,), or (m, h) for several (m, k).  0 where it tips on level ground already, pi
-    where it never tips.  `convention` says whether ``"body"`` or ground, ``"plane"``, is tilted
+    where it never tips.  `convention`: ``"body"`` or the ground, ``"plane"``, is tilted
     from level.
 
     Notes

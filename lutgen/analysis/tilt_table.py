@@ -1,6 +1,6 @@
 """Tables of tilt limits: one posture in the four headings and the worst, or all postures.
 
-*Body tilt* is how far the robot itself turns, as an accelerometer in it sees it (`tilt`); *ground
+*Body tilt* is how far the robot itself turns, as an accelerometer in it reads it (`tilt`); *ground
 tilt* the slope of the ground under a robot that rolls from rest to rest on it (`ground_tilt`).
 """
 
@@ -36,7 +36,7 @@ class HeadingLimit:
 
     `heading` is NaN for the worst heading of a robot that tips on level ground, or never; the robot
     stands up to the body tilt `tilt`.  `contacts` are what it then turns over: two contacts, one on
-    which it rolls, or none.  `slides` tells whether it has slid before, tan(slope) > friction; None
+    which it rolls, or none.  `slides` is True if it has slid before, tan(slope) > friction; None
     without a friction coefficient.
     """
 
@@ -52,7 +52,7 @@ class PostureLimits:
     """The limits of one posture (k,): four headings, the worst, and what holds in all of them.
 
     `headings` and `level` (rad, `tip_angle` at level) are of body tilt against tipping over alone;
-    `convention` says whether it is counted from the attitude on level ground or from that of a
+    `convention`: counted from the attitude on level ground or from that of a
     level body.  `ground` are the limits of ground tilt, and `slide` (rad) is the slope up to which
     friction holds the robot, all its contacts braked: None where it is not known, or forces act
     beside the weight.
@@ -67,7 +67,7 @@ class PostureLimits:
 
     @property
     def stands(self) -> bool:
-        """Whether the robot stands at level, if only just: exactly on an axis it does."""
+        """True if the robot stands at level, if only just: exactly on an axis it does."""
         return self.level >= 0.0 or self.ground.stands
 
     @property
@@ -201,7 +201,6 @@ def sweep_limits(
     """Return the least and largest limits over postures (m, k) in headings (h,)."""
     rows = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
-    bounds.check(len(rows) * len(heading), bounds.LIMITS, recipe.source, "use fewer headings")
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))

@@ -47,13 +47,13 @@ class Footing:
     gravity_dir: Floats
 
     def equilibrium(self) -> "Equilibrium":
-        """Tell whether they hold it."""
+        """Return the balance of the weight on the feet."""
         return equilibrium(self.points, self.normals, self.friction, self.com, self.gravity_dir)
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Whether a weight on contacts is in balance, and where else it would be.
+    """Balance of a weight on contacts, and where else the weight may be.
 
     `holds` is None where pyramids of 256 sides inside and outside the cones do not agree: friction
     is within 1e-4 of what is just enough.  `forces` (n, 3) are one admissible set as shares of the
@@ -84,7 +84,7 @@ def equilibrium(
     com: ArrayLike,
     gravity_dir: ArrayLike = (0.0, 0.0, -1.0),
 ) -> Equilibrium:
-    """Tell whether contacts on uneven ground can hold a weight.
+    """Return the balance of a weight on contacts on uneven ground.
 
     It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
     sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and of
@@ -104,18 +104,15 @@ def equilibrium(
     >>> found.holds, round(float(found.region[:, 0].max()), 6)
     (True, 0.8)
     """
-    places, outward = _numbers("points", points), _numbers("normals", normals)
-    mu, middle = _numbers("friction", friction), _numbers("com", com)
-    down, n = _numbers("gravity_dir", gravity_dir), len(np.atleast_1d(places))
-    shapes = (("points", places, (n, 3)), ("normals", outward, (n, 3)), ("com", middle, (3,)))
-    for name, found, shape in (*shapes, ("gravity_dir", down, (3,))):
-        if found.shape != shape or n == 0:
-            what = f"{name} must have the shape {shape}, with a contact at least"
-            reject("footing", what, found.shape, "give x, y, z of each", InputError)
-    if mu.shape not in ((), (n,)) or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
-        what = f"friction must be one number from 0 to {ROUGHEST:g} or {n} of them"
-        way_out = "give a coefficient for all contacts or for each"
-        reject("footing", what, mu.tolist(), way_out, InputError)
+    arrays = [np.asarray(one, np.float64) for one in (points, normals, friction, com, gravity_dir)]
+    places, outward, mu, middle, down = arrays
+    n, shapes = len(np.atleast_1d(places)), [one.shape for one in arrays]
+    right = n > 0 and shapes == [(n, 3), (n, 3), mu.shape, (3,), (3,)] and mu.shape in ((), (n,))
+    finite = all((np.abs(one) < LARGEST).all() for one in arrays)
+    if not (right and finite and ((mu >= 0.0) & (mu <= ROUGHEST)).all()):
+        what = f"a contact and a com need x, y, z, and each a friction from 0 to {ROUGHEST:g}"
+        got = f"the shapes {shapes} and friction {mu.tolist()}"
+        reject("footing", what, got, "give finite numbers as a file of feet has them", InputError)
     # Sideways, left and up, as rows.
     frame = _level_frame(np.asarray(unit_directions(down)))
     origin = places.mean(axis=0)
@@ -149,19 +146,6 @@ def equilibrium(
     )
 
 
-def _numbers(name: str, values: ArrayLike) -> Floats:
-    """Return an argument as finite numbers, or refuse it."""
-    try:
-        result = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        what = f"{name} must be numbers in rows of equal length"
-        reject("footing", what, repr(values), "write them as a list", InputError)
-    if not (np.abs(result) < LARGEST).all():
-        what = f"{name} must be finite, and below {LARGEST:g}"
-        reject("footing", what, result.tolist(), "give numbers of another size", InputError)
-    return result
-
-
 def _level_frame(down: Floats) -> Floats:
     """Return the axes (3, 3) of `Equilibrium.axes`, and up."""
     # cos 6 deg: beyond it too little of x is level to name a heading.
@@ -175,7 +159,7 @@ def _level_frame(down: Floats) -> Floats:
 def _verdict(
     scene: tuple[Floats, Floats, Floats], com: Floats
 ) -> tuple[bool | None, Floats | None]:
-    """Tell whether a com (2,) holds, and with which forces (n, 3).
+    """Return True and the forces (n, 3) if a com (2,) holds; False or None (undecided) if not.
 
     Pyramids inside the cones say yes, those around them no.
     """
@@ -194,14 +178,14 @@ class Foot(Table):
 
     name: Text | None = key("A name of its own.", "left", None)
     position: Place = key("Where it touches the ground.", [0.2, 0.1, 0])
-    normal: Direction | None = key("Of the ground, upwards; else against gravity.", [0, 0, 1], None)
+    normal: Direction | None = key("The ground's, upwards; else against gravity.", [0, 0, 1], None)
     friction: NotNegative | None = key("Its coefficient, if not that of all.", 0.5, None)
 
 
 class Feet(Table):
     """Contents of a file of `lutgen stance`."""
 
-    title: Text | None = key("What figures call it, if not the file's name.", "stair", None)
+    title: Text | None = key("Its name in figures, if not the file's.", "stair", None)
     length_unit: LengthUnit = key("The unit of all lengths.", "m", "m")
     com: Place = key("The centre of mass.", [0, 0, 0.5])
     gravity: Direction = key("Gravity, pointing down.", [0, 0, -1], DOWN)

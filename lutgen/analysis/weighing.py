@@ -95,8 +95,8 @@ class Weighed:
 def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     """Fit mass and com of a recipe's robot to readings by least squares.
 
-    The robot stands on the facet on which it rests on level ground, and tips from it.  What cannot
-    be determined moves as little as the readings need.  If they scatter more than their deviations
+    The robot stands on the facet on which it rests on level ground, and tips from it.  Undetermined
+    parts move as little as the readings need.  If they scatter more than their deviations
     say, the result's deviations grow with them.  Refused are unknown contacts, contacts in the air,
     and loads that no mass explains.
     """
@@ -105,7 +105,7 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     size = float(np.linalg.norm(centres, axis=1).max()) or 1.0
     estimate, scale = start, start[0] * np.array([1.0, size, size, size])
     weighed = any(isinstance(one, Weighing) for one in readings)
-    # Tilts alone tell nothing of the mass, which stays.
+    # Tilts alone do not determine the mass, which stays.
     free = scale if weighed else scale * [0.0, 1.0, 1.0, 1.0]
     for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
         parts = [_equations(recipe, one, estimate) for one in readings]
@@ -227,7 +227,7 @@ def _deviations(
 def _advice(
     recipe: Recipe, readings: Sequence[Reading], estimate: Floats, row: Floats, scale: Floats
 ) -> Advice | None:
-    """Return the weighing after which the com is known best, None where none can be proposed."""
+    """Return the weighing after which the com is known best, or None."""
     accuracies = [one.accuracy for one in readings if isinstance(one, Weighing)]
     accuracy = min(accuracies, default=0.01 * float(estimate[0]))
     best = None
@@ -260,7 +260,7 @@ def _candidates(recipe: Recipe) -> Iterator[tuple[tuple[float, ...], float, floa
 def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]:
     """Return the keys of `[robot]` that make the recipe the robot that was weighed.
 
-    `mass` is left out where the recipe has no masses, or the readings do not tell it, and
+    `mass` is left out where the recipe has no masses, or the readings do not determine it, and
     `com_uncertainty` where they leave a part of the com open.
     """
     shift = [float(f"{x:.{DIGITS}g}") for x in found.com_shift + recipe.com_offset]

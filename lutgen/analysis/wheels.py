@@ -33,17 +33,16 @@ class Structure:
 
     Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     `dof` is 3 - rank of the constraints of the fixed wheels: every motion that some setting of
-    the steered wheels allows.  `steered` tells whether a steered wheel touches.  `mobility` and
+    the steered wheels allows.  `steered` is True if a steered wheel touches.  `mobility` and
     `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
     and Automation 12(1), 1996): motions without turning a steered wheel, and how many steered
-    wheels can be turned independently; they add up to `dof`.  `touching` are wheels' contacts.
+    wheels can be turned independently; they add up to `dof`.
     """
 
     dof: int
     steered: bool
     mobility: int
     steerability: int
-    touching: tuple[str, ...]
 
     @property
     def category(self) -> str:
@@ -55,7 +54,7 @@ class Structure:
 class WheelMotion:
     """Motion of one wheel: `speed` in rad/s, `steering` in rad, `slip` in length/s.
 
-    `contact` names the wheel.  Of a wheel that hovers all three are None.  `speed` is positive
+    `contact` names the wheel.  All three are None for a wheel that hovers.  `speed` is positive
     about the axle, the right-hand way.  `steering`, None unless the wheel is steered, is the
     angle about the ground's normal, anticlockwise seen from above, from how the recipe places the
     axle, in (-pi/2, pi/2].  `slip` is the velocity to the left of the rolling direction at which
@@ -73,10 +72,10 @@ class WheelMotion:
 class Motion:
     """Wheel speeds for one motion of the centre of mass; lengths in the recipe's unit.
 
-    `velocity` (2,) and `yaw_rate` are those asked for.  `slip` is the root of the sum of squares
+    `velocity` (2,) and `yaw_rate` are those requested.  `slip` is the root of the sum of squares
     of the wheels' slips: no choice of speeds and steering angles makes it smaller, and the motion
     is `possible` where it vanishes.  `nearest_velocity` (2,) and `nearest_yaw_rate` are the motion
-    without slip that differs least from the one asked for: least sum of squares, yaw rates times
+    without slip that differs least from the requested one: least sum of squares, yaw rates times
     the distance from the com to the farthest corner of the support polygon.
     """
 
@@ -105,43 +104,27 @@ class _Rolling:
         return velocity + yaw_rate * np.array([-self.point[1], self.point[0]])
 
 
-@dataclass(frozen=True)
-class _Ground:
-    """Wheels of a posture, and the ground below them.
-
-    `size` is the largest distance in the plane from the com to a corner of the support polygon.
-    `contacts` are those of the wheels in recipe order, None for those that hover.
-    """
-
-    size: float
-    standing: bool
-    contacts: tuple[_Rolling | None, ...]
-
-
-def _find_ground(posture: Posture, gravity_dir: ArrayLike) -> _Ground:
-    """Find the contact plane of one posture and the wheels whose contacts touch it."""
+def _find_ground(posture: Posture, gravity_dir: ArrayLike) -> tuple[Facet, Floats, bool]:
+    """Find the facet on the ground, the axes x and y (2, 3) in it, and whether the robot stands."""
     source = posture.recipe.source
     if not posture.recipe.wheels:
         way_out = "add one for each contact that is a wheel: contact, axis, radius"
         reject(source, "the robot has no wheels", "no [[robot.wheel]]", way_out, InputError)
     found = diagnose(posture, gravity_dir)
+    way_out = "choose another direction or posture"
     if found.facet is None:
         what = "the robot has no support facet under this gravity"
-        way_out = "choose another direction or posture"
         reject(source, what, f"gravity_dir = {found.gravity_dir.tolist()}", way_out, InputError)
     facet, forward_axis = found.facet, np.array([1.0, 0.0, 0.0])
     if float(np.linalg.norm(facet.along(forward_axis))) < FACE_ANGLE:
         what = "the body's x axis is normal to the ground, which leaves no forward direction"
-        way_out = "choose another direction or posture"
         reject(source, what, f"the normal {(-facet.normal).tolist()}", way_out, InputError)
     # y of a facet's frame points to the right.
-    frame = facet.frame(forward_axis) * [[1.0], [-1.0]]
-    size = float(np.linalg.norm(facet.points @ frame.T, axis=1).max())
-    return _Ground(size, found.standing, _touching(posture, facet, frame))
+    return facet, facet.frame(forward_axis) * [[1.0], [-1.0]], found.standing
 
 
 def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[_Rolling | None, ...]:
-    """Return where each wheel touches the facet's plane and how it rolls, or None."""
+    """Return where each wheel touches the facet's plane and how it rolls, None where it hovers."""
     recipe = posture.recipe
     carriers = {contact.name: contact for contact in recipe.contacts}
     # An axle turns with its link as the axis of a disc does, so let the contacts have the axles.
@@ -193,36 +176,40 @@ def wheel_speeds(
         Also of an impossible motion, with its slip.  A steered wheel that is slower than a
         millionth of the motion keeps the angle 0 and the speed 0.
     """
-    asked = np.array([*np.ravel(velocity), yaw_rate], np.float64)
-    if asked.shape != (3,) or not (np.abs(asked) <= FASTEST).all():
+    requested = np.array([*np.ravel(velocity), yaw_rate], np.float64)
+    if requested.shape != (3,) or not (np.abs(requested) <= FASTEST).all():
         what = f"velocity must be two numbers, and yaw_rate one, of up to {FASTEST:g}"
         way_out = "give lengths per second, forward and to the left, and rad/s"
-        reject(posture.recipe.source, what, asked.tolist(), way_out, InputError)
-    recipe, ground = posture.recipe, _find_ground(posture, gravity_dir)
-    velocity, yaw_rate = asked[:2], float(asked[2])
-    motion = asked * [1.0, 1.0, ground.size]
+        reject(posture.recipe.source, what, requested.tolist(), way_out, InputError)
+    facet, frame, standing = _find_ground(posture, gravity_dir)
+    contacts = _touching(posture, facet, frame)
+    # The largest distance in the plane from the com to a corner of the support polygon.
+    size = float(np.linalg.norm(facet.points @ frame.T, axis=1).max())
+    velocity, yaw_rate = requested[:2], float(requested[2])
+    motion = requested * [1.0, 1.0, size]
     still = TOLERANCE * math.hypot(*motion)
     wheels = tuple(
         WheelMotion(wheel.contact, False, None, None, None)
         if contact is None
         else _wheel_motion(contact, contact.velocity(velocity, yaw_rate), still)
-        for wheel, contact in zip(recipe.wheels, ground.contacts, strict=True)
+        for wheel, contact in zip(posture.recipe.wheels, contacts, strict=True)
     )
     slip = math.hypot(*(wheel.slip or 0.0 for wheel in wheels))
-    stretch, basis = _free_motions(ground)
+    touching = [contact for contact in contacts if contact is not None]
+    stretch, basis = _free_motions(touching, size)
     possible = slip <= stretch * still
     nearest = motion if possible else basis @ (basis.T @ motion)
-    turn = yaw_rate if possible else float(nearest[2]) / ground.size
+    turn = yaw_rate if possible else float(nearest[2]) / size
     return Motion(
-        (float(asked[0]), float(asked[1])),
+        (float(requested[0]), float(requested[1])),
         yaw_rate,
         wheels,
         slip,
         possible,
         nearest_velocity=(float(nearest[0]), float(nearest[1])),
         nearest_yaw_rate=turn,
-        structure=_structure(ground),
-        standing=ground.standing,
+        structure=_structure(touching, basis * [[1.0], [1.0], [1.0 / size]]),
+        standing=standing,
     )
 
 
@@ -247,15 +234,15 @@ def _wheel_motion(contact: _Rolling, velocity: Floats, still: float) -> WheelMot
     return WheelMotion(wheel.contact, True, speed, math.atan(across / along), 0.0)
 
 
-def _free_motions(ground: _Ground) -> tuple[float, Floats]:
+def _free_motions(contacts: list[_Rolling], size: float) -> tuple[float, Floats]:
     """Return the largest slip per motion of size 1, and an orthonormal basis (3, dof) without.
 
     Motions are (vx, vy, yaw rate * size), so that neither depends on the unit of length.
     """
     rows = [
-        [*contact.left, contact.left @ contact.velocity(np.zeros(2), 1.0) / ground.size]
-        for contact in ground.contacts
-        if contact is not None and not contact.wheel.steered and contact.wheel.rollers is None
+        [*contact.left, contact.left @ contact.velocity(np.zeros(2), 1.0) / size]
+        for contact in contacts
+        if not contact.wheel.steered and contact.wheel.rollers is None
     ]
     if not rows:
         return 0.0, np.eye(3)
@@ -264,19 +251,16 @@ def _free_motions(ground: _Ground) -> tuple[float, Floats]:
     return float(spread[0]), motions[rank:].T.copy()
 
 
-def _structure(ground: _Ground) -> Structure:
-    """Return the structure of a robot on the ground."""
-    contacts = [contact for contact in ground.contacts if contact is not None]
+def _structure(contacts: list[_Rolling], motions: Floats) -> Structure:
+    """Return the structure of a robot whose fixed wheels leave some motions (3, dof)."""
     steered = [contact for contact in contacts if contact.wheel.steered]
-    _, basis = _free_motions(ground)
-    dof, turning = basis.shape[1], 0
+    dof, turning = motions.shape[1], 0
     for contact in steered if dof > 1 else ():
         # It can turn if the free motions move it in more than one direction: on the common axle of
         # the fixed ones it can only follow them.
-        moved = [contact.velocity(motion[:2], motion[2] / ground.size) for motion in basis.T]
+        moved = [contact.velocity(motion[:2], motion[2]) for motion in motions.T]
         spread = np.linalg.svd(np.array(moved), compute_uv=False)
         turning += int(spread[1] > TOLERANCE * spread[0])
     # Two wheels' axles fix the centre of turning: further ones must follow.
     steerability = min(turning, max(dof - 1, 0))
-    touching = tuple(contact.wheel.contact for contact in contacts)
-    return Structure(dof, bool(steered), dof - steerability, steerability, touching)
+    return Structure(dof, bool(steered), dof - steerability, steerability)

@@ -41,7 +41,7 @@ from lutgen.support import (
 from lutgen.vector import along, between, cross, dot, length, read3, scale, subtract
 
 # A direction just outside the region gets this where its distance rounds to zero, so that the
-# sign alone always tells the verdict, in float32 too.
+# sign alone is always the verdict, in float32 too.
 JUST_OUTSIDE = -1e-30
 
 

@@ -35,7 +35,7 @@ from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract
 def _seat_under_moment(region: Region, axes: Axes, force: Vector, mu: Vector) -> tuple[int, int]:
     """Return the seat that carries under a resultant with a moment, and STANDS or TIPS.
 
-    That whose plane the resultant's central line leaves first; its zero-moment point tells whether
+    That whose plane the resultant's central line leaves first; its zero-moment point decides if
     it stands there, or on any other rest.  The line goes through (force x mu) / |force|^2.
     """
     best, nearest = -1, math.inf
@@ -152,7 +152,7 @@ def reduced_arc(region: Region, axes: Axes, b: int, rho: float, g: Vector) -> fl
 
 @njit(inline=True, bare=True)
 def counts_whole(region: Region, wrench: Floats) -> bool:
-    """Tell whether axes count as whole lines: of convex regions, and where only a bound is known.
+    """Return True if axes count as whole lines: of convex regions, and where only a bound is known.
 
     That is under a moment, and under a force with an uncertain com.
     """
@@ -210,7 +210,7 @@ def loaded_margin(
 
 @njit(bare=True)
 def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tuple[int, int, float]:
-    """Return the seat that carries, whether the robot stands, rocks or tips, and its tip angle.
+    """Return the seat that carries, the status (stands, rocks, tips), and the tip angle.
 
     The angle is in rad, and not negative where the robot does not tip.  With an uncertain com the
     status is that of the nominal one where no com in the ball tips.

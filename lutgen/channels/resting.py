@@ -6,7 +6,7 @@ the body frame.  There are two readings of "the robot stands on this slope":
 - ``"plane"`` (P): gravity is given relative to the **contact plane**.  Its z axis is the plane's
   normal, upward, and its x axis is the body's x axis, carried along.  T_g is the least rotation
   that takes the body's z axis to that normal, so on level ground the gravity direction in the
-  body frame is the outward normal of the support facet, whatever the shape.
+  body frame is the outward normal of the support facet, for any shape.
 - ``"body"`` (F): gravity is given in the body frame and stays there; T_g is the identity.
 """
 
@@ -115,7 +115,7 @@ def body_gravity(
     -------
     (m, 3) float64
         Unit vectors.  Under ``"plane"`` the robot rests on the plane with the facet that carries
-        it; where none does, with the one that comes closest, and the robot tips.
+        it; without one, with the one that comes closest, and the robot tips.
 
     Examples
     --------

@@ -2,7 +2,7 @@
 
 On such a face a plane through the com is a straight line, and along a row every product with g is
 an affine function of u.  So a cone covers one interval of each row, found by division; nodes that
-are too near to its ends for that are asked, as `region.cone_of` asks.
+are too near to its ends for that are computed as in `region.cone_of`.
 """
 
 import math
@@ -19,7 +19,7 @@ from lutgen.support import ACCEPTED, ARCS, CONES, CONVEX, ON_AXIS, TIPS, Region
 from lutgen.vector import dot, read3, row, write3
 
 # A wall whose slope along a row is less than this runs along it; rows nearer to it than WITHIN are
-# asked node by node.
+# computed node by node.
 PARALLEL, WITHIN = 1e-5, 1e-3
 # A wall that passes a node within this part of a step is decided by its sign there.
 DOUBT = 1e-6
@@ -74,7 +74,7 @@ def _on_face(nodes: Nodes, face: int, vector: Vector) -> Vector:
 
 @njit(inline=True, bare=True)
 def _passes(line: Floats, w: int, u: float, v: float) -> bool:
-    """Tell whether a node is on the inner side of wall w."""
+    """Return True if a node is on the inner side of wall w."""
     level = line[w, 0] + line[w, 1] * v + line[w, 2] * u
     return bool(level >= -ON_AXIS * math.sqrt(1.0 + u * u + v * v))
 

@@ -1,7 +1,7 @@
 """How contacts share the weight, and the least share of a contact or of a group of them.
 
-Statics leaves the shares open on more than three contacts.  Of all that balance and nowhere pull
-those of the least sum of squares are taken: what equal springs under a rigid body carry, by
+Statics leaves the shares open on more than three contacts.  Those of the least sum of squares
+are taken among all that balance and do not pull: what equal springs under a rigid body carry, by
 Castigliano's theorem of least work.
 """
 
@@ -16,7 +16,7 @@ from lutgen.vector import add, cross, dot, read3, row, scale, subtract
 
 # Newton's steps: a handful are taken.
 STEPS = 200
-# A balance of the weight (1) that is missed by less is none.
+# The weight (1) is balanced up to this.
 BALANCED = 1e-15
 # Added to the second derivatives (of 1): contacts in a line would leave them singular.
 RIDGE, MOST_RIDGE = 1e-15, 1e6

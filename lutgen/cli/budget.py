@@ -46,7 +46,7 @@ class Options(RecipeOptions):
         default=0.0,
         help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
-    turn: float = given.positive(default=2.0, help="Radius of the turn whose speed is told, m.")
+    turn: float = given.positive(default=2.0, help="Radius of the turn whose speed is printed, m.")
     headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
     bump: float = option(
         type=given.Number(float, 0.0),
@@ -56,7 +56,7 @@ class Options(RecipeOptions):
     reads: int = option(
         type=given.Number(int, 1, 32),
         default=4,
-        help="Of an export: reads of its map for each budget, 1 to 32.",
+        help="Reads of an export's map for each budget, 1 to 32.",
     )
     output: str | None = given.output(help="CSV file of the table.")
     force: bool = given.force()
@@ -68,7 +68,7 @@ def budget(source: str, options: Options) -> None:
 
     A recipe's budget is exact; that of an export's folder is what its C says (smap_budget), never
     too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
-    the speed at which a turn of --turn takes it.  Sliding is not included.  Of a recipe it also
+    the speed at which a turn of --turn takes it.  Sliding is not included.  For a recipe it also
     prints from which speed a dead stop does not tip it, all contacts at once in each heading or one
     contact alone in any.
 
@@ -92,7 +92,7 @@ def budget(source: str, options: Options) -> None:
         row |= {f"stop_at_{at}_deg_m_s": v for at, v in row.pop("stop_speeds_m_s", {}).items()}
     columns = {key: [row[key] for row in flat] for key in flat[0] if key != "posture"}
     output.save_columns(columns, options.output, options.force)
-    output.show(report, lines, options.as_json)
+    output.show(report, lines)
 
 
 def opened(source: str, options: Options) -> "tuple[robots.Recipe, Callable[..., Floats]]":

@@ -51,10 +51,10 @@ class Options(RunOptions):
         default=0.0,
         help="Standard deviation of each axis of the accelerometer, m/s2.",
     )
-    seed: int = option(default=0, help="Of the noise.")
+    seed: int = option(default=0, help="Seed of the noise.")
     no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
-    objective: str | None = option(help="Of the policy that is made for a recipe.")
-    cycle: float | None = given.positive(help="Of that policy, s.  [default: 1]")
+    objective: str | None = option(help="Objective of the policy that is made for a recipe.")
+    cycle: float | None = given.positive(help="Cycle of that policy, s.  [default: 1]")
 
 
 @command("source", Options)
@@ -62,7 +62,7 @@ def control(source: str, options: Options) -> None:
     """Steer a robot over rough ground with the C of on-board control.
 
     SOURCE is a folder of `lutgen policy`, or a recipe, in a closed loop with smap_step.  The C
-    that lutgen carries is asked with the folder's map and policy; nothing in the folder is run.
+    that lutgen carries runs with the folder's map and policy; nothing in the folder is run.
     For a recipe both are made now, and not certified.  The command acts a cycle after its sample,
     or after --latency.  The recipe, not the C, says where the robot tips.  -p gives the shape in
     which it begins, and which it keeps without control.
@@ -113,7 +113,7 @@ def control(source: str, options: Options) -> None:
         "alarms": [int((loop.alarms == level).sum()) for level in range(4)],
         "most_poses": int(loop.poses.max()),
     }
-    show(report, lines, options.as_json)
+    show(report, lines)
 
 
 def steering_for(source: str, options: Options) -> "onboard.Steering":

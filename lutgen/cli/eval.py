@@ -37,7 +37,7 @@ def eval_(source: str, options: Options) -> None:
     """Evaluate one point of SOURCE, a recipe, a map or an export.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.  Exit code 3 where the robot tips over, or where that cannot be told.
+    runtime is asked.  Exit code 3 if the robot tips over, or if the answer is unknown.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
@@ -57,7 +57,7 @@ def eval_(source: str, options: Options) -> None:
         else:
             report = map_report(opened, posture, gravity)
         report |= output.posture_entries(recipe, posture.params, options.assignments)
-    output.show(report, lines, options.as_json, 0 if report["standing"] else output.TIPS)
+    output.show(report, lines, 0 if report["standing"] else output.TIPS)
 
 
 def exact_report(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def exact_report(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[
 
 
 def rolling_entries(posture: "analysis.Posture", gravity: Sequence[float]) -> dict[str, Any]:
-    """Return whether the robot holds or rolls away, and how it tips while it rolls freely."""
+    """Return how the robot holds or rolls away, and how it tips while it rolls freely."""
     entries: dict[str, Any] = {
         name: bool(getattr(analysis, name)(posture, [gravity])[0])
         for name in ("holds", "may_hold", "rolls")

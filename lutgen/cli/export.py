@@ -37,7 +37,7 @@ class ExportOptions(FolderOptions):
         metavar="A,B",
         help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
-    # Their names are asked of `codecs` below: importing that takes longer than --help may.
+    # Their names come from `codecs` below: importing that takes longer than --help may.
     codec: str = option(
         metavar="NAME",
         default="auto",
@@ -58,7 +58,7 @@ class PolicyOptions(FolderOptions):
         "that keeps --margin; sdg, as the paper has it.",
     )
     within: float = option(
-        default=1.0, help="Of all postures within so many deg of the best the smoothest is taken."
+        default=1.0, help="Take the smoothest of all postures within so many deg of the best."
     )
     nodes: int = option(
         type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
@@ -75,13 +75,13 @@ class PolicyOptions(FolderOptions):
         help="How fast a parameter changes, per second; repeat."
     )
     delta: tuple[tuple[str, float], ...] = given.values(
-        help="How far from what the driver asks for; repeat."
+        help="How far from the driver's request; repeat."
     )
-    cycle: float = given.positive(default=0.02, help="Of a cycle, s.")
+    cycle: float = given.positive(default=0.02, help="Time of a cycle, s.")
     latency: float = given.positive(default=0.06, help="From sample to motion, s.")
     margin: float = given.positive(default=3.0, help="Tip angle that every way is to keep, deg.")
     convention: str = given.convention(
-        "plane", "body", "Whether the robot leans as its shape makes it, or keeps its attitude."
+        "plane", "body", "The robot leans as its shape makes it, or keeps its attitude."
     )
     poses: int = option(
         type=given.Number(int, 1, 2),
@@ -123,7 +123,7 @@ def export(source: str, options: ExportOptions) -> None:
     finally:
         if watched:
             click.echo("\r\033[K", nl=False, err=True)
-    show({"directory": options.output, **report}, export_lines, options.as_json)
+    show({"directory": options.output, **report}, export_lines)
 
 
 def export_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -168,7 +168,7 @@ def policy(source: str, options: PolicyOptions) -> None:
         opened, options.output, policy_options, lambda text: log.info("%s", text), name=options.name
     )
     loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}
-    show({"directory": options.output, **report, "loss": loss}, policy_lines, options.as_json)
+    show({"directory": options.output, **report, "loss": loss}, policy_lines)
 
 
 def policy_lines(report: dict[str, Any]) -> Iterator[str]:

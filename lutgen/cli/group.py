@@ -46,7 +46,7 @@ class Group(click.Group):
             raise
 
     def main(self, *args: Any, **settings: Any) -> Any:
-        """Run the command line; whatever nobody foresaw ends in a sentence, too."""
+        """Run the command line; an unforeseen error ends in a sentence, too."""
         try:
             return super().main(*args, **settings)
         except Exception as error:
@@ -72,7 +72,7 @@ def _end(error: Exception) -> NoReturn:
     log = logging.getLogger("lutgen")
     log.info("%s", UNFORESEEN, exc_info=error)
     if isinstance(error, MemoryError):
-        said = f"the memory is not enough (got {str(error) or 'no more'}); ask for less at once."
+        said = f"the memory is not enough (got {str(error) or 'no more'}); request less at once."
     else:
         place = ""
         if error.__traceback__ is not None:
@@ -82,7 +82,7 @@ def _end(error: Exception) -> NoReturn:
         way_out = "" if log.isEnabledFor(logging.INFO) else "run it again with `lutgen -v`, and "
         said = (
             f"{UNFORESEEN} (got {got}{place}); {way_out}report the traceback, the command and its "
-            "files to whoever gave you lutgen (SECURITY.md in its sources)."
+            "files to the source of your lutgen (see SECURITY.md there)."
         )
     click.echo(f"Error: {said}", err=True)
     raise SystemExit(FAILED) from error
@@ -112,7 +112,7 @@ def main(verbose: int, quiet: bool) -> None:
 
     \b
     Exit codes: 0 all is fine, 1 the task failed, 2 the input is wrong,
-    3 the answer is that the robot tips over, or that nobody can tell.
+    3 the answer is that the robot tips over, or that it is unknown.
     """
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
     handler = logging.StreamHandler()

@@ -77,19 +77,18 @@ class Options:
     arguments: tuple[str, ...] = given.repeated(
         "--arg", metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
     )
-    as_json: bool = given.as_json()
 
 
 @command("urdf", Options)
 def import_(urdf: str, options: Options) -> None:
     """Write a recipe from a robot description (URDF, MJCF).
 
-    What it leaves out is said.  It stands as an SRDF file says (group_state), or with its joints
-    at zero; -p and --posture say otherwise.  Without --contact, the spheres and cylinders near the
-    ground then touch it, and the wheels and feet that are recognised in meshes (pip install
-    lutgen[meshes]). Without --joint and --couple, every joint that moves a contact, or the centre
-    of mass by more than 0.5 % of the robot's size, becomes a parameter; of more than ten those
-    that are alike move together.
+    The output lists what it leaves out.  The robot stands as an SRDF file says (group_state), or
+    with its joints at zero, unless -p or --posture changes that.  Without --contact, the spheres
+    and cylinders near the ground then touch it, and the wheels and feet that are recognised in
+    meshes (pip install lutgen[meshes]).  Without --joint and --couple, every joint that moves a
+    contact, or the centre of mass by more than 0.5 % of the robot's size, becomes a parameter; of
+    more than ten those that are alike move together.
 
     A recipe that is there stays as it is unless --merge or --force is given; give --merge the same
     options as the first time.
@@ -150,7 +149,7 @@ def import_(urdf: str, options: Options) -> None:
     except RecipeError:
         # The recipe is of no use yet.
         log.warning("%s: %s", made.recipe.name, STANDS_NOWHERE)
-    show(report, lambda shown: import_lines(shown, robot.root), options.as_json)
+    show(report, lambda shown: import_lines(shown, robot.root))
 
 
 def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
@@ -180,7 +179,7 @@ def scaled(joint: str, scale: float) -> str:
 
 
 def read_robot(path: str, options: Options) -> "tuple[UrdfRobot, dict[str, Floats]]":
-    """Read a description, after expansion where it is asked for, under the name that is given.
+    """Read a description, after expansion if requested, under the name that is given.
 
     For MuJoCo's format the corners of its meshes come with it.
     """

@@ -1,4 +1,4 @@
-"""The rooms that commands use, each imported when something of it is asked for.
+"""The rooms that commands use, each imported at its first use.
 
 So `lutgen --help`, and the help of a command, wait for none of them.
 """

@@ -9,7 +9,7 @@ from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import analysis, np, robots
-from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
+from lutgen.cli.options import FigureOptions, RecipeOptions, command, option
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
@@ -25,7 +25,7 @@ class Options(RecipeOptions, FigureOptions):
     convention: str = given.convention(
         "plane",
         "body",
-        "Whether body tilt counts from level ground under it, or from a level body.",
+        "Count body tilt from level ground under it, or from a level body.",
     )
     least_share: tuple[tuple[str, float], ...] = option(
         type=given.Numbers("NAME=SHARE", "share", "for example front=0.2"),
@@ -36,12 +36,12 @@ class Options(RecipeOptions, FigureOptions):
 
 
 @command("recipe", Options)
-def limits(recipe: str, options: Options) -> None:
+def limits(robot: "robots.Recipe", options: Options) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
     With its shape kept: nose down, left side down, nose up, right side down and in its worst
-    heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
-    slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
+    heading.  Body tilt is the robot's own, as an accelerometer in it reads it; ground tilt is the
+    slope of the ground, on which it may rock from rest to rest.  A guarantee holds in every
     heading, also between those listed (of the ground: where it has not been steeper before), and
     all limits are rounded down.  Exit code 3 where it tips over on level ground.
 
@@ -49,7 +49,6 @@ def limits(recipe: str, options: Options) -> None:
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
     guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
-    robot = open_recipe(recipe, options.allow_python)
     output.check_outputs(options.force, options.output)
     # Refused before the work, which takes as many as the figure needs.
     around = analysis.even_headings(options.headings)
@@ -59,7 +58,7 @@ def limits(recipe: str, options: Options) -> None:
         grid = robot.grid
         around = analysis.even_headings(options.headings * -(-FIGURE // options.headings))
         # Before a row of parameters is made for each.
-        way_out = "sweep fewer samples, or ask fewer headings"
+        way_out = "sweep fewer samples, or fewer headings"
         bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
         rows = grid.params(range(grid.size))
         swept = analysis.sweep_limits(robot, rows, around, options.convention)
@@ -85,7 +84,7 @@ def limits(recipe: str, options: Options) -> None:
             }
             for i in range(0, len(around), len(around) // options.headings)
         ]
-    output.show(report, limits_lines, options.as_json, 0 if found.stands else output.TIPS)
+    output.show(report, limits_lines, 0 if found.stands else output.TIPS)
 
 
 def limits_report(recipe: "robots.Recipe", found: "analysis.PostureLimits") -> dict[str, Any]:

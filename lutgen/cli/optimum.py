@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option, stored_values
+from lutgen.cli.options import RecipeOptions, command, log, option, stored_values
 from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
@@ -51,14 +51,14 @@ class Options(RecipeOptions):
     ends: str = option(
         type=click.Choice(["left", "right"]),
         default="left",
-        help="Of search: which end of each of its 5 cells is a node.",
+        help="Which end of each of the 5 cells of search is a node.",
     )
-    seed: int = option(type=given.Number(int, 0), default=0, help="Of multistart.")
+    seed: int = option(type=given.Number(int, 0), default=0, help="Seed of multistart.")
     trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 
 @command("recipe", Options)
-def optimum(recipe: str, options: Options) -> None:
+def optimum(robot: "robots.Recipe", options: Options) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 
     With +- how far each parameter may be off, and the interval in which it may lie, the others
@@ -69,7 +69,6 @@ def optimum(recipe: str, options: Options) -> None:
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    robot = open_recipe(recipe, options.allow_python)
     kept = stored_values(robot, options.assignments)
     one = QUANTITIES.get(options.objective.strip())
     box, start = space_of(robot, kept, options)
@@ -105,18 +104,18 @@ def optimum(recipe: str, options: Options) -> None:
     }
     if options.trace:
         report["trace"] = trace
-    show(report, optimum_lines, options.as_json, 0 if found.standing else TIPS)
+    show(report, optimum_lines, 0 if found.standing else TIPS)
 
 
 def space_of(
     robot: "robots.Recipe", kept: Mapping[str, float], options: Options
 ) -> tuple[list[Any], list[float] | None]:
-    """Return the bounds (rad, length) of all parameters, and where the search begins, if told.
+    """Return the bounds (rad, length) of all parameters, and where the search begins, if given.
 
     Bounds of a kept parameter are equal; where nothing is said of one it begins in the middle.
     """
-    for flag, told in (("--bounds", options.bounds), ("--start", options.start)):
-        for name, *_ in told:
+    for flag, named in (("--bounds", options.bounds), ("--start", options.start)):
+        for name, *_ in named:
             if name in kept:
                 what, got = f"parameter {name} has a value already", f"-p as well as {flag} {name}"
                 reject(robot.source, what, got, f"give it one -p or one {flag}", InputError)

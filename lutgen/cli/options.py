@@ -120,14 +120,18 @@ def command(
 ) -> Callable[[Callable[..., None]], click.Command]:
     """Return a decorator that makes a command of a function of a source and of options.
 
-    Its help begins with the example, which ends its docstring; in the list of commands it has the
-    first line.  The options come in the order of the fields, those that are inherited last.
+    A source called recipe is opened.  Its help begins with the example, which ends its docstring;
+    in the list of commands it has the first line.  The options come in the order of the fields,
+    those that are inherited last, and then --json, which `output.show` looks for.
     """
     argument = click.Argument([source], type=Named()) if isinstance(source, str) else source
 
     def decorate(run: Callable[..., None]) -> click.Command:
         def callback(**given: Any) -> None:
-            first = [] if argument is None else [given.pop(str(argument.name))]
+            first: list[Any] = [] if argument is None else [given.pop(str(argument.name))]
+            given.pop("as_json")
+            if source == "recipe":
+                first = [open_recipe(first[0], given["allow_python"])]
             run(*first, options(**given))
 
         parameters: list[click.Parameter] = [] if argument is None else [argument]
@@ -137,6 +141,8 @@ def command(
             if not any(flag.startswith("--") for flag in flags):
                 flags = (*flags, f"--{part.name.replace('_', '-')}")
             parameters.append(click.Option([part.name, *flags], **settings))
+        flag = ["as_json", "--json"]
+        parameters.append(click.Option(flag, is_flag=True, help="Print the result as JSON."))
         text, _, example = inspect.cleandoc(run.__doc__ or "").rpartition("\n\n\b\n")
         return click.Command(
             run.__name__.rstrip("_"),
@@ -150,7 +156,6 @@ def command(
 
 
 Assignments = tuple[tuple[str, float], ...]
-as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 force = functools.partial(
     option, is_flag=True, help="Replace what is there also where lutgen did not make it."
 )
@@ -168,8 +173,8 @@ parameters = functools.partial(
     "-p",
     "--parameter",
     type=Numbers(*VALUE),
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  What is "
-    "left out is at the recipe's `home`, then in the middle of its range.",
+    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
+    "is left out is at the recipe's `home`, then in the middle of its range.",
 )
 values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
@@ -181,11 +186,15 @@ output = functools.partial(option, "-o", type=Named())
 def convention(
     default: str = "body",
     other: str = "plane",
-    help: str = "Whether gravity is fixed in the body, or relative to the plane that the robot "
-    "stands on.",
+    help: str = "Gravity is fixed in the body, or relative to the plane that the robot stands on.",
 ) -> Any:
     """Return the option that says to what gravity is fixed; the help lists the default first."""
     return option(type=click.Choice((default, other)), default=default, help=help)
+
+
+@dataclass(frozen=True)
+class NoOptions:
+    """Of a command that has none of its own."""
 
 
 @dataclass(frozen=True)
@@ -195,7 +204,6 @@ class RecipeOptions:
     allow_python: bool = option(
         is_flag=True, help="Run the code that the recipe names (`python = ...`)."
     )
-    as_json: bool = as_json()
 
 
 @dataclass(frozen=True)
@@ -203,7 +211,7 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
+        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: one column, 89 wide]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
     style: str = option(

@@ -16,7 +16,7 @@ from lutgen.quantities import QUANTITIES
 
 # Exit code of a question whose answer is no.
 NO = 1
-# Exit code of a verdict that a robot tips over, or that nobody can tell; of every command that has
+# Exit code of a verdict that a robot tips over, or that it is unknown; of every command that has
 # one (docs/guide/commands.md).
 TIPS = 3
 # The words of a verdict, by the status of a report.
@@ -26,11 +26,10 @@ VERDICTS = {"stands": "stands", "rocks": "rocks", "tips": "tips over"}
 def show(
     report: Mapping[str, Any],
     lines: Callable[[dict[str, Any]], Iterable[str]],
-    as_json: bool,
     code: int = 0,
 ) -> None:
     """Print a report as JSON, or the lines that say the same; exit with the code of its answer."""
-    values = plain(report)
+    values, as_json = plain(report), click.get_current_context().params["as_json"]
     said = [json.dumps(values, indent=2, allow_nan=False)] if as_json else lines(values)
     for line in said:
         # A name may hold characters that a terminal obeys, or another line.
@@ -39,18 +38,13 @@ def show(
         click.get_current_context().exit(code)
 
 
-def silent(report: dict[str, Any]) -> Iterable[str]:
-    """Return no lines: in words the file that was made is all that there is to say."""
-    return ()
-
-
 def degrees(value: Any) -> Any:
     """Return angles (rad) in deg."""
     return None if value is None else to_display(value, "deg")
 
 
 def entries(value: Any, names: str) -> dict[str, Any]:
-    """Return attributes of a value under their names, or under KEY where ``KEY=NAME`` is asked.
+    """Return attributes of a value under their names, or under KEY for ``KEY=NAME``.
 
     A key that ends in ``_deg`` or ``_deg_s`` is for an angle (rad) whose name lacks that ending.
     """
@@ -121,7 +115,7 @@ def unit_text(unit: str) -> str:
 
 
 def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
-    """Return a number as text, a dash where there is none.
+    """Return a number as text, or a dash.
 
     A remainder of rounding is zero, and zero has no sign.
     """

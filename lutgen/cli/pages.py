@@ -6,8 +6,8 @@ from pathlib import Path
 import click
 
 from lutgen.cli import options as given
-from lutgen.cli.lazy import devices, figures, robots
-from lutgen.cli.output import check_outputs, entries, show, silent
+from lutgen.cli.lazy import devices, robots
+from lutgen.cli.output import check_outputs, entries, save_figure, show
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
@@ -30,7 +30,7 @@ class PlotOptions(given.RecipeOptions, given.FigureOptions):
     scale: tuple[float, float] | None = given.option(
         nargs=2,
         type=float,
-        help="What the colours span at least, in the unit shown, so that figures compare.",
+        help="Least span of the colours, in the unit shown, so that figures compare.",
     )
 
 
@@ -57,15 +57,12 @@ def plot(source: str, options: PlotOptions) -> None:
     axes = tuple(part.strip() for part in options.axes.split(",")) if options.axes else None
     if origin := given.posture_source(recipe, options.assignments):
         given.log.info("parameters without a value: %s", origin)
-    with figures.on_sheet(options.size, options.style):
-        figure = figures.draw(
-            options.kind,
-            opened,
-            params=given.named_values(recipe, options.assignments),
-            axes=axes,
-            **entries(options, "gravity channel convention scale"),
-        )
-        figures.save(figure, options.output, force=options.force)
+    choices = {
+        **entries(options, "kind gravity channel convention scale"),
+        "params": given.named_values(recipe, options.assignments),
+        "axes": axes,
+    }
+    save_figure(lambda plot: plot.draw(source=opened, **choices), options.output, options)
     report = {
         **entries(recipe, "robot=name digest"),
         "source": source,
@@ -73,7 +70,7 @@ def plot(source: str, options: PlotOptions) -> None:
         "figure": options.output,
         "bytes": Path(options.output).stat().st_size,
     }
-    show(report, silent, options.as_json)
+    show(report, lambda _: ())
 
 
 @dataclass(frozen=True)
@@ -88,7 +85,6 @@ class PaperOptions:
         "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
     )
     force: bool = given.force()
-    as_json: bool = given.as_json()
 
 
 @given.command("source", ExploreOptions)
@@ -97,7 +93,7 @@ def explore(source: str, options: ExploreOptions) -> None:
 
     SOURCE is a recipe, a map or a folder of `lutgen export`.  The page is offline, and shows the
     robot in 3-D on its ground, the directions of gravity in which it stands, and a map over two
-    joints.  What it answers is the exported C, compiled to WebAssembly. Without a folder the
+    joints.  Its answers are those of the exported C, compiled to WebAssembly. Without a folder the
     tables are of the codec contacts.
 
     \b
@@ -124,7 +120,7 @@ def explore(source: str, options: ExploreOptions) -> None:
         "bytes": Path(options.output).stat().st_size,
         "answers": answers.about,
     }
-    show(report, silent, options.as_json)
+    show(report, lambda _: ())
 
 
 @given.command(None, PaperOptions)
@@ -142,4 +138,4 @@ def paper(options: PaperOptions) -> None:
 
     page = str(write_report(options.output, lambda what: given.log.info("%s", what), options.force))
     report = {"folder": options.output, "page": page}
-    show(report, lambda report: [report["page"]], options.as_json)
+    show(report, lambda report: [report["page"]])

@@ -9,7 +9,7 @@ from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, figures, np, robots, searches
-from lutgen.cli.options import FigureOptions, RecipeOptions, command, open_recipe, option
+from lutgen.cli.options import FigureOptions, RecipeOptions, command, option
 from lutgen.errors import InputError, reject
 from lutgen.quantities import QUANTITIES
 
@@ -38,7 +38,7 @@ class Options(RunOptions):
     )
     points: int | None = option(
         type=given.Number(int, 2, bounds.POINTS.most),
-        help=f"Of the paper's path.  [default: {POINTS}]",
+        help=f"Points of the paper's path.  [default: {POINTS}]",
     )
     turn: float = option(
         default=0.0,
@@ -48,10 +48,10 @@ class Options(RunOptions):
     lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
-        default="sdg", help="What control makes best: a channel, or a sum such as sdg+0.1*height."
+        default="sdg", help="The best of it is chosen: a channel, or a sum such as sdg+0.1*height."
     )
     convention: str = given.convention(
-        "plane", "body", "Whether the path gives the attitude of the ground or that of the body."
+        "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
     rates: tuple[tuple[str, float], ...] = given.values(
         "--rate",
@@ -65,7 +65,7 @@ class Options(RunOptions):
 
 
 @command("recipe", Options)
-def path(recipe: str, options: Options) -> None:
+def path(robot: "robots.Recipe", options: Options) -> None:
     """Drive RECIPE over rough ground and count where it tips over.
 
     Once with a fixed shape, and once with control.  -p gives the geometry before control begins.
@@ -76,7 +76,6 @@ def path(recipe: str, options: Options) -> None:
     paper_two on the paper's path: 100 points, length 38.9766
     """
     check_run(options)
-    robot = open_recipe(recipe, options.allow_python)
     runs = drives(robot, options)
     first, *_, last = [*runs, *runs]
     save_run(robot, {name: runs[name] for name in (first, last)}, table(robot, runs[last]), options)
@@ -92,7 +91,7 @@ def path(recipe: str, options: Options) -> None:
         "runs": [run_entry(robot, name, run) for name, run in runs.items()],
     }
     code = output.TIPS if runs[last].tips.any() else 0
-    output.show(report, path_lines, options.as_json, code)
+    output.show(report, path_lines, code)
 
 
 def check_run(options: RunOptions) -> None:
@@ -108,7 +107,7 @@ def save_run(
     columns: Mapping[str, Any],
     options: RunOptions,
 ) -> None:
-    """Write the table, the figure and the film that were asked for."""
+    """Write the table, the figure and the film that were requested."""
     output.save_columns(columns, options.output, options.force)
     output.save_figure(lambda plot: plot.draw_path(robot, runs), options.plot, options)
     if options.animate is not None:

@@ -8,8 +8,8 @@ from typing import Any
 from lutgen import bounds
 from lutgen.cli import options as given
 from lutgen.cli import output
-from lutgen.cli.lazy import analysis, charts, np
-from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.lazy import analysis, charts, np, robots
+from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, option
 from lutgen.quantities import QUANTITIES
 
 STRUCTURE = "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"
@@ -25,7 +25,7 @@ class MetricsOptions(RecipeOptions):
     tilt: float = option(
         type=given.Number(float, 0.0, 180.0),
         default=20.0,
-        help="Of the ground in deg, for the metrics over all headings.",
+        help="Tilt of the ground in deg, for the metrics over all headings.",
     )
     headings: int = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
@@ -35,7 +35,7 @@ class MetricsOptions(RecipeOptions):
 
 
 @command("recipe", MetricsOptions)
-def metrics(recipe: str, options: MetricsOptions) -> None:
+def metrics(robot: "robots.Recipe", options: MetricsOptions) -> None:
     """Compare five metrics of stability over all headings.
 
     They are |SD_g|, tip-over angle, static and energy margin, and force-angle, that of a weight of
@@ -44,15 +44,14 @@ def metrics(recipe: str, options: MetricsOptions) -> None:
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
     """
-    robot = open_recipe(recipe, options.allow_python)
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     around = np.arange(options.headings) * (360.0 / options.headings)
     down = analysis.tilted(math.radians(options.tilt), np.radians(around))
     found = analysis.compare_metrics(posture, down)
-    held: list[dict[str, bool]] = [{} for _ in around]
+    verdicts: list[dict[str, bool]] = [{} for _ in around]
     if any(contact.rolling for contact in robot.contacts):
         holds, may = analysis.holds(posture, down), analysis.may_hold(posture, down)
-        held = [{"holds": holds[i], "may_hold": may[i]} for i in range(len(around))]
+        verdicts = [{"holds": holds[i], "may_hold": may[i]} for i in range(len(around))]
     report = {
         **output.entries(robot, "robot=name length_unit"),
         "tilt_deg": options.tilt,
@@ -68,13 +67,13 @@ def metrics(recipe: str, options: MetricsOptions) -> None:
                 "least_share": found.least_share[i],
                 **output.channel_entries({name: row[i] for name, row in found.values.items()}),
                 "normalised": {name: row[i] for name, row in found.normalised.items()},
-                **held[i],
+                **verdicts[i],
             }
             for i, heading in enumerate(around.tolist())
         ],
         **output.posture_entries(robot, posture.params, options.assignments),
     }
-    output.show(report, metrics_lines, options.as_json)
+    output.show(report, metrics_lines)
 
 
 def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -95,8 +94,8 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         cells = [output.cell(entry.get(key)) for key in columns]
         rows.append([heading, output.VERDICTS[entry["status"]], *cells])
         if rolling:
-            held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
-            rows[-1].append(held)
+            word = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
+            rows[-1].append(word)
     yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
     yield from output.posture_lines(report)
     yield from output.aligned(rows, numbers=(0, *range(2, 9)))
@@ -107,7 +106,7 @@ class WheelsOptions(RecipeOptions):
     velocity: tuple[float, float] = option(
         type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
-        help="Of the centre of mass, forward and to the left, in length units per second.",
+        help="Velocity of the centre of mass, forward and to the left, length units per second.",
     )
     yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
     assignments: tuple[tuple[str, float], ...] = given.parameters()
@@ -115,7 +114,7 @@ class WheelsOptions(RecipeOptions):
 
 
 @command("recipe", WheelsOptions)
-def wheels(recipe: str, options: WheelsOptions) -> None:
+def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
     """Print wheel speeds and steering angles of a motion.
 
     Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this
@@ -125,7 +124,6 @@ def wheels(recipe: str, options: WheelsOptions) -> None:
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
-    robot = open_recipe(recipe, options.allow_python)
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     yaw_rate = math.radians(options.yaw_rate)
     motion = analysis.wheel_speeds(posture, options.velocity, yaw_rate, options.gravity)
@@ -144,7 +142,7 @@ def wheels(recipe: str, options: WheelsOptions) -> None:
         **output.posture_entries(robot, posture.params, options.assignments),
     }
     code = output.TIPS if not motion.standing else 0 if motion.possible else output.NO
-    output.show(report, motion_lines, options.as_json, code)
+    output.show(report, motion_lines, code)
 
 
 def motion_lines(report: dict[str, Any]) -> Iterator[str]:
@@ -179,16 +177,15 @@ class StanceOptions(FigureOptions):
         help="Gravity in the frame of the file, pointing down; instead of the file's.",
     )
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
-    as_json: bool = given.as_json()
 
 
 @command("file", StanceOptions)
 def stance(file: str, options: StanceOptions) -> None:
-    """Print whether feet on uneven ground hold a weight.
+    """Print if feet on uneven ground hold a weight.
 
     FILE (TOML) describes them and the centre of mass.  Each foot has a place, a normal and a
     friction coefficient of its own.  Exit code 3 where no forces within the friction cones carry
-    the weight, or where that cannot be told.
+    the weight, or if that is unknown.
 
     \b
     $ lutgen stance stair.toml -g 0.1,0,-1
@@ -205,7 +202,7 @@ def stance(file: str, options: StanceOptions) -> None:
         **output.entries(found, "holds margin axes region region_is_open=is_open"),
         "feet": [*feet(footing, found)],
     }
-    output.show(report, stance_lines, options.as_json, 0 if found.holds else output.TIPS)
+    output.show(report, stance_lines, 0 if found.holds else output.TIPS)
 
 
 def feet(footing: "analysis.Footing", found: "analysis.Equilibrium") -> Iterator[dict[str, Any]]:

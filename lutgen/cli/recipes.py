@@ -13,7 +13,7 @@ import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import Axis, analysis, maps, np, proposals, robots
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
+from lutgen.cli.options import RecipeOptions, command, log, option
 from lutgen.cli.output import aligned, by_unit, entries, file_size, posture_text, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
@@ -25,21 +25,10 @@ SHOWN = 6
 
 
 @dataclass(frozen=True)
-class RecipesOptions:
-    as_json: bool = given.as_json()
-
-
-@dataclass(frozen=True)
 class NewOptions:
     output: str | None = given.output(help="Recipe to write (.toml).")
     list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
     force: bool = option(is_flag=True, help="Write over a file that is there.")
-    as_json: bool = given.as_json()
-
-
-@dataclass(frozen=True)
-class SchemaOptions:
-    """Options of `lutgen schema`: none."""
 
 
 def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
@@ -51,8 +40,8 @@ NAME = click.Argument(["name"], required=False, shell_complete=completed)
 KIND = click.Argument(["kind"], required=False)
 
 
-@command(NAME, RecipesOptions)
-def recipes(name: str | None, options: RecipesOptions) -> None:
+@command(NAME, given.NoOptions)
+def recipes(name: str | None, options: given.NoOptions) -> None:
     """List the gallery's recipes, or print the one called NAME.
 
     Every command takes recipe:NAME where it takes a recipe's file.
@@ -64,10 +53,10 @@ def recipes(name: str | None, options: RecipesOptions) -> None:
     if name is not None:
         text = robots.gallery_text(name)
         report = {**recipe_entry(name), "text": text}
-        show(report, lambda report: report["text"].splitlines(), options.as_json)
+        show(report, lambda report: report["text"].splitlines())
     else:
         report = {"recipes": [*map(recipe_entry, robots.gallery_names())]}
-        show(report, recipes_lines, options.as_json)
+        show(report, recipes_lines)
 
 
 def recipe_entry(name: str) -> dict[str, Any]:
@@ -112,7 +101,7 @@ def new(kind: str | None, options: NewOptions) -> None:
     """
     kinds = robots.start_recipes()
     if options.list_kinds:
-        show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()), options.as_json)
+        show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()))
         return
     if kind is None or options.output is None:
         missing = "a kind" if kind is None else "a file to write"
@@ -122,12 +111,11 @@ def new(kind: str | None, options: NewOptions) -> None:
     show(
         {"kind": kind, "recipe": options.output},
         lambda report: [f"{report['recipe']}: {kinds[kind]}"],
-        options.as_json,
     )
 
 
-@command(None, SchemaOptions)
-def schema(options: SchemaOptions) -> None:
+@command(None, given.NoOptions)
+def schema(options: given.NoOptions) -> None:
     """Print the JSON Schema of recipes, by which editors complete.
 
     It is of draft 2020-12, and refuses unknown keys, wrong types and numbers out of range; `lutgen
@@ -140,7 +128,7 @@ def schema(options: SchemaOptions) -> None:
 
 
 @command("recipe", RecipeOptions)
-def check(recipe: str, options: RecipeOptions) -> None:
+def check(robot: "robots.Recipe", options: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
 
     A warning says where it does not stand on its contacts at its `home`, and what looks like a
@@ -150,7 +138,6 @@ def check(recipe: str, options: RecipeOptions) -> None:
     $ lutgen check maps/paper_two.toml
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
-    robot = open_recipe(recipe, options.allow_python)
     maps.require_standing(robot)
     warnings = [*proposals.recipe_doubts(robot), *home_warnings(robot)]
     for warning in warnings:
@@ -179,7 +166,7 @@ def check(recipe: str, options: RecipeOptions) -> None:
         "snapped": robot.snapped,
         "warnings": warnings,
     }
-    show(report, check_lines, options.as_json)
+    show(report, check_lines)
 
 
 def home_warnings(robot: "robots.Recipe") -> Iterator[str]:

@@ -10,9 +10,9 @@ from typing import Any
 import click
 
 from lutgen.cli import options as given
-from lutgen.cli.lazy import maps
-from lutgen.cli.options import RecipeOptions, command, log, open_recipe, option
-from lutgen.cli.output import cell, entries, file_size, show, silent
+from lutgen.cli.lazy import maps, robots
+from lutgen.cli.options import RecipeOptions, command, log, option
+from lutgen.cli.output import cell, entries, file_size, show
 from lutgen.cli.recipes import axis_entry, grid_lines
 from lutgen.errors import MapFileError
 from lutgen.quantities import QUANTITIES
@@ -36,11 +36,10 @@ class SweepOptions(RecipeOptions):
 class InfoOptions:
     verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
     unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
-    as_json: bool = given.as_json()
 
 
 @command("recipe", SweepOptions)
-def sweep(recipe: str, options: SweepOptions) -> None:
+def sweep(robot: "robots.Recipe", options: SweepOptions) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
@@ -49,7 +48,6 @@ def sweep(recipe: str, options: SweepOptions) -> None:
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
-    robot = open_recipe(recipe, options.allow_python)
     quiet = bool(click.get_current_context().find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
@@ -92,7 +90,7 @@ def sweep(recipe: str, options: SweepOptions) -> None:
         "bytes": size,
         "seconds": round(seconds, 3),
     }
-    show(report, silent, options.as_json)
+    show(report, lambda _: ())
 
 
 MAP = click.Argument(["map_file"], metavar="MAP.h5", type=given.Named())
@@ -130,7 +128,7 @@ def info(map_file: str, options: InfoOptions) -> None:
         "recipe_sha256": str(attributes["recipe_sha256"]),
         **({"verified": True} if options.verify else {}),
     }
-    show(report, info_lines, options.as_json)
+    show(report, info_lines)
 
 
 def channel_entry(stability_map: "maps.StabilityMap", name: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, analysis, np, robots, searches
-from lutgen.cli.options import Named, RecipeOptions, command, open_recipe, option
+from lutgen.cli.options import Named, RecipeOptions, command, option
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
@@ -37,7 +37,7 @@ class Options(RecipeOptions):
 
 
 @command("recipe", Options)
-def weigh(recipe: str, options: Options) -> None:
+def weigh(robot: "robots.Recipe", options: Options) -> None:
     """Find mass and centre of mass from scales and tilts.
 
     Both are printed with their uncertainty.
@@ -49,7 +49,6 @@ def weigh(recipe: str, options: Options) -> None:
     \b
     $ lutgen weigh robot.toml --scales scales.csv -o weighed.toml
     """
-    robot = open_recipe(recipe, options.allow_python)
     readings: list[analysis.Reading] = [*scale_readings(robot, options)]
     readings += tilt_readings(robot, options)
     if not readings:
@@ -74,7 +73,7 @@ def weigh(recipe: str, options: Options) -> None:
         "next": advice,
         "keys": analysis.correction(robot, found),
     }
-    output.show(report, weigh_lines, options.as_json)
+    output.show(report, weigh_lines)
 
 
 def scale_readings(robot: "robots.Recipe", options: Options) -> "list[analysis.Weighing]":
@@ -162,7 +161,7 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
         rows.append([f"com {axis}", *known])
     yield from output.aligned(rows)
     if report["com_open"]:
-        yield "what is not determined moves as little as the readings need: level scales tell no"
+        yield "what is not determined moves as little as the readings need: level scales give no"
         yield "height; weigh on a slope of 10 deg as well, or give --tilt"
     rows = [["reading", "value", "residual"]]
     for one in report["readings"]:

@@ -100,7 +100,7 @@ def require_standing(recipe: Recipe) -> None:
 
 
 def _any_stands(recipe: Recipe, postures: NDArray[np.intp], chart: Chart) -> bool:
-    """Return whether the robot stands in any of some postures, by number, in any direction."""
+    """Return True if the robot stands in any of some postures, by number, in any direction."""
     scanner = Scanner(recipe, chart, ("sdg",))
     out = np.full((len(CHANNELS), len(postures) * scanner.rows * chart.nodes), np.nan, np.float32)
     scanner.fill(recipe.grid.params(postures), 0, scanner.rows, out)

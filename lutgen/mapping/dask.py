@@ -82,7 +82,7 @@ def compute_there(file: PartFile, client: Any, threads: int | None) -> Generator
 
 @contextmanager
 def _as_sweep_error() -> Iterator[None]:
-    """Turn whatever goes wrong between this process, the scheduler and workers into a sentence."""
+    """Turn any fault between this process, the scheduler and workers into a sentence."""
     try:
         yield
     except LutgenError:

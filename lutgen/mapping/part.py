@@ -1,7 +1,7 @@
 """Write the unfinished file of a sweep: locked, filled in any order, finished under its name.
 
 The digest of a block is the only record that it is done.  It is written after the values and counts
-if they match it, in whatever order the disk took the two; so any kill or power cut can be resumed.
+if they match it, in any order on the disk; so any kill or power cut can be resumed.
 """
 
 import contextlib
@@ -51,7 +51,7 @@ def read_at(handle: int, size: int, place: int) -> bytes:
 
 
 def sync_folder(folder: Path) -> None:
-    """Wait until a folder's entries are on the disk, where the system can be asked to."""
+    """Wait until a folder's entries are on the disk, where the system can do that."""
     with contextlib.suppress(PermissionError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -104,7 +104,7 @@ class PartFile:
                 raise
 
     def begun(self) -> bool:
-        """Return whether the file holds anything: a layout that was cut short counts as nothing."""
+        """Return True if the file holds anything: a layout that was cut short counts as nothing."""
         found = read_at(self._handle, len(SIGNATURE), 0)
         return found == SIGNATURE or not SIGNATURE.startswith(found.rstrip(b"\0"))
 
@@ -140,7 +140,7 @@ class PartFile:
     def _require_same(self) -> None:
         found, recipe = self._read_head(), self.head.layout.recipe
         start = self.head.data.index(BLANK.encode())
-        # How far the sweep is may differ: the digests, the seal, and whether it is complete.
+        # How far the sweep is may differ: the digests, the seal, and if it is complete.
         for ours in map(bytearray, (self.head.data, self._whole)):
             for state in (self.head.digests, slice(start, start + len(BLANK))):
                 ours[state] = found[state]

@@ -96,7 +96,7 @@ OF_THE_FILE = ("digest", "complete")
 
 @dataclass(frozen=True, repr=False)
 class StabilityMap:
-    """A stability map on disk; values are read when they are asked for.
+    """A stability map on disk; values are read on access.
 
     `layout` says where a sealed file has its values, and `digests` (blocks, channels, bytes) what
     they must match; None for a file that is read though it is not sealed.
@@ -285,7 +285,7 @@ def verify(stability_map: StabilityMap) -> None:
 
 
 def channel_range(stability_map: StabilityMap, name: str) -> tuple[float | None, float | None]:
-    """Return the smallest and largest finite value of a channel, None where there is none."""
+    """Return the smallest and largest finite value of a channel, or None."""
     finite = (values[np.isfinite(values)] for _, values in stability_map.pieces(name))
     ends = [(float(some.min()), float(some.max())) for some in finite if some.size]
     return min((low for low, _ in ends), default=None), max((up for _, up in ends), default=None)

@@ -105,7 +105,7 @@ def sweep(
                 finished += (block.last - block.first) * layout.shape[-1]
                 if progress is not None:
                     progress(finished, recipe.nodes)
-            # It may be hours since that was asked.
+            # It may be hours since that was checked.
             check_target(target, force)
             file.finish(target)
     except OSError as error:
@@ -161,7 +161,7 @@ def _compute_here(file: PartFile) -> Generator[int, None, None]:
     """
     layout, todo = file.head.layout, np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
-    # A robot given by code is asked by one thread, as its author expects.
+    # A robot given by code is called by one thread, as its author expects.
     enough = layout.recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
     own = threading.local()

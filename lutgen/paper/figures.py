@@ -5,8 +5,8 @@ from pathlib import Path
 
 from lutgen import plot
 from lutgen.mapping import load_map
-from lutgen.paper.model import DOWN, TO_THE_LEFT, paper_recipe
-from lutgen.paper.simulations import Results
+from lutgen.paper.model import DOWN, paper_recipe
+from lutgen.paper.simulations import MAP, Results
 from lutgen.plot import draw_path, draw_steps
 
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
@@ -17,8 +17,8 @@ PIXELS = 80.0
 
 def draw_figures(folder: Path, results: Results) -> dict[str, int]:
     """Draw all figures as PNG into a folder; return the width (CSS pixels) of each by its stem."""
-    stability_map = load_map(results.swept.path)
-    one, two, third = paper_recipe(moving=1), paper_recipe(), results.third
+    stability_map = load_map(folder / MAP)
+    one, two, third = paper_recipe("paper_one"), paper_recipe(), results.third
     search = results.second["plane", "search"]
     runs = {"without control": third["fixed"], "with control": third["lagged"]}
     robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve", channel="sdg")
@@ -38,7 +38,7 @@ def draw_figures(folder: Path, results: Results) -> dict[str, int]:
         "fig14_step": partial(steps, (1,)),
         "fig15_step": partial(steps, (2,)),
         "fig15_last": partial(steps, (5,)),
-        "fig16_17_path": partial(draw_path, paper_recipe(azimuths=TO_THE_LEFT), runs),
+        "fig16_17_path": partial(draw_path, two, runs),
     }
     widths = {}
     for stem, paint in painters.items():

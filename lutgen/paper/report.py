@@ -37,9 +37,9 @@ def write_report(
     directory : path
         Made if it is not there.
     progress : callable
-        Is told what is being done.
+        Called with a text before each step.
     force : bool
-        Whether files that lutgen did not make may be replaced.
+        True if files that lutgen did not make may be replaced.
 
     Returns
     -------
@@ -65,8 +65,7 @@ def write_report(
             widths = draw_figures(work, results)
             found = tables(results)
             for name, table in found.items():
-                keys = [column.key for column in table.columns]
-                write_text(work / f"{name}.csv", csv_text(keys, _plain(table)))
+                write_text(work / f"{name}.csv", _csv(table))
             page = build_page(work, results, found, widths, time.perf_counter() - begin)
             write_text(work / PAGE, page)
             made = sorted(work.iterdir())
@@ -82,12 +81,13 @@ def write_report(
     return target / PAGE
 
 
-def _plain(table: Table) -> list[list[object]]:
-    """Return the rows of a table without the marks of HTML."""
-    return [
+def _csv(table: Table) -> str:
+    """Return a table as CSV, without the marks of HTML."""
+    rows = (
         [cell.striptags() if isinstance(cell, Markup) else cell for cell in row]
         for row in table.rows
-    ]
+    )
+    return csv_text([column.key for column in table.columns], rows)
 
 
 def build_page(
@@ -112,7 +112,7 @@ def build_page(
         for stem, width in widths.items()
     }
     return environment.get_template("page.html.j2").render(
-        page_numbers(results),
+        page_numbers(results, found["forces"]),
         seconds=seconds,
         tables={**found, "fig08_curve": few},
         pictures=pictures,
@@ -132,31 +132,33 @@ def shown(value: object, spec: str) -> str:
     return Markup(f"{mantissa}&middot;10<sup>{power.removeprefix('+').replace('0', '', 1)}</sup>")
 
 
-def page_numbers(results: Results) -> dict[str, Any]:
+def page_numbers(results: Results, forces: Table) -> dict[str, Any]:
     """Return the numbers of the page's prose by the names that its template gives them."""
-    searching = [row for row in results.table if row.published.searching]
-    meant = [row.exact["plane"] / row.published.read_as for row in searching]
-    third, last, scale = TABLE[4], TABLE[5], TABLE[3]
-    slope = (scale.sdg - third.sdg) / (scale.alpha - third.alpha)
-    faster = 3600.0 / results.swept.file
+    values, _ = results.table["plane"]
+    known = [i for i, said in enumerate(TABLE) if said.searching]
+    meant = {n: [v[i] / TABLE[i].read_as for i in known] for n, (v, _) in results.table.items()}
+    off = [scale * r - 1.0 for name, (_, scale) in results.table.items() for r in meant[name]]
+    third, last, first = TABLE[4], TABLE[5], TABLE[3]
+    slope = (first.sdg - third.sdg) / (first.alpha - third.alpha)
+    faster = 3600.0 / results.swept["file"]
     digit = 10 ** math.floor(math.log10(faster))
     return {
         "radius": RADIUS,
         "nominal_deg": math.degrees(NOMINAL),
-        "first_best": {n: math.degrees(at.params[0]) for n, at in results.first.best.items()},
+        "first_best": {n: math.degrees(at.params[0]) for n, at in results.first.items()},
         "swept": results.swept,
         # Rounded down to one digit: more would be claimed than is known.
         "faster": int(faster // digit * digit),
         "second_optimum": second_optimum(),
-        "ratio": [row.exact["plane"] / row.published.sdg for row in results.table],
-        "fitted": results.fitted_radius,
-        "ratio_low": min(meant),
-        "ratio_high": max(meant),
-        "worst_percent": 100.0 * max(abs(r) for row in searching for r in row.residual.values()),
+        "ratio": [value / said.sdg for value, said in zip(values, TABLE, strict=True)],
+        "fitted": {name: RADIUS * scale for name, (_, scale) in results.table.items()},
+        "ratio_low": min(meant["plane"]),
+        "ratio_high": max(meant["plane"]),
+        "worst_percent": 100.0 * max(map(abs, off)),
         "zero_of_line": third.alpha - third.sdg / slope,
         "zero_of_last": last.alpha + last.sdg / slope,
         "both_tips": int(results.third["both"].tips.sum()),
         "turning_tips": int(results.third["turning"].tips.sum()),
-        "near_tip": min(results.forces, key=lambda row: row.exact[0]),
+        "near_tip": min(forces.rows, key=lambda row: row[2]),
         "version": __version__,
     }

@@ -104,7 +104,7 @@ def _show_best(figure: Figure, view: View, best: Best) -> None:
 
 
 def _has_room(plane: Plane, flat: Best, best: Best) -> bool:
-    """Tell whether words in the flat area would not cover the star, nor leave the picture."""
+    """Return True if words in the flat area would not cover the star, nor leave the picture."""
     low = np.array([plane.fx[0], plane.fy[0]])
     span = np.array([plane.fx[-1], plane.fy[-1]]) - low
     spot, star = (np.array(flat[:2]) - low) / span, (np.array(best[:2]) - low) / span

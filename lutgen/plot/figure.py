@@ -1,4 +1,4 @@
-"""The kinds of figures, what may be asked of them, and one entry for all.
+"""The kinds of figures, their options, and one entry for all.
 
 Every wrong option is refused in one sentence that names the way out.
 """
@@ -31,10 +31,10 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 class Kind(NamedTuple):
-    """A kind of figure: how it is drawn, and what may be asked of it.
+    """A kind of figure: how it is drawn, and its options.
 
-    `varies` is the number of parameters along its axes; `of_robot` tells whether it needs the
-    robot itself, and not a map of code that is not run; `turns` whether it turns gravity itself.
+    `varies` is the number of parameters along its axes; `of_robot` is True if it needs
+    the robot itself, and not a map of code that is not run; `turns` if it turns gravity itself.
     """
 
     paint: Callable[[View], Figure]
@@ -69,7 +69,7 @@ class Choices(TypedDict, total=False):
 
 
 @in_house_style
-def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> Figure:
+def draw(kind: str, source: StabilityMap | Recipe, **choices: Unpack[Choices]) -> Figure:
     """Draw a figure whose title is its answer.
 
     Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
@@ -91,7 +91,7 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.
     convention : {"body", "plane"}
-        Whether gravity is fixed in the body frame, or relative to the contact plane (T_g, see
+        Gravity is fixed in the body frame, or relative to the contact plane (T_g, see
         `lutgen.channels.resting`): for recipes only, and not for `sphere` and `polar`.
     scale : (2,) of float, optional
         Least span of the colours, in the unit that is shown: figures of one scale can be
@@ -101,19 +101,19 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
     """
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, suggestion(kind, KINDS, CHOOSE))
-    for name in asked:
+    for name in choices:
         if name not in Choices.__annotations__:
             _refuse(
                 "unknown keyword of a figure",
                 name,
                 suggestion(name, Choices.__annotations__, CHOOSE),
             )
-    return KINDS[kind].paint(_choose(kind, source, asked))
+    return KINDS[kind].paint(_choose(kind, source, choices))
 
 
-def _choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
+def _choose(kind: str, source: StabilityMap | Recipe, choices: Choices) -> View:
     """Check the options of `draw` and fill in what was left out."""
-    one, channel = KINDS[kind], asked.get("channel", "tip_angle")
+    one, channel = KINDS[kind], choices.get("channel", "tip_angle")
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in RANKED:
@@ -125,26 +125,26 @@ def _choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
             channel,
             f"{suggestion(channel, stored, CHOOSE)} or a recipe",
         )
-    scale = asked.get("scale")
+    scale = choices.get("scale")
     if scale is not None and not (all(map(math.isfinite, scale)) and scale[0] < scale[1]):
         what = "a scale goes from a number to a larger one"
         _refuse(what, ", ".join(f"{x:g}" for x in scale), "give two such as 0, 60")
     if one.of_robot and is_sealed(recipe):
         way_out = "draw it from the recipe, with its code allowed"
         _refuse(f"a {kind} figure needs the robot itself", f"a map of `{recipe.python}`", way_out)
-    down = unit_directions(np.asarray(asked.get("gravity", DOWN), dtype=np.float64))
+    down = unit_directions(np.asarray(choices.get("gravity", DOWN), dtype=np.float64))
     if down.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(asked["gravity"]), "give x, y, z")
-    convention = asked.get("convention", "body")
+        _refuse("gravity must be one direction", np.shape(choices["gravity"]), "give x, y, z")
+    convention = choices.get("convention", "body")
     if convention not in CONVENTIONS:
         _refuse("unknown convention", convention, suggestion(convention, CONVENTIONS, CHOOSE))
     if convention == "plane" and stability_map is not None:
         _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
     if convention == "plane" and one.turns:
         _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    params = asked.get("params") or {}
+    params = choices.get("params") or {}
     given = {name: _value(recipe, stability_map, name, v) for name, v in params.items()}
-    columns = _columns(kind, recipe, given, asked.get("axes"))
+    columns = _columns(kind, recipe, given, choices.get("axes"))
     posture = []
     for i, p in enumerate(recipe.parameters):
         low, high = limits(recipe, stability_map, i)
@@ -156,7 +156,7 @@ def _choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
         way_out = "choose a direction that the map covers, or draw from the recipe"
         _refuse("gravity is outside the map's chart", ", ".join(f"{x:g}" for x in down), way_out)
     where = (recipe, stability_map, np.array(posture), down, channel, columns)
-    return View(*where, convention, scale, asked.get("ax"))
+    return View(*where, convention, scale, choices.get("ax"))
 
 
 def _columns(
@@ -194,8 +194,8 @@ def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value:
     parameter = recipe.parameters[column]
     low, high = limits(recipe, stability_map, column)
     inside = float(parameter.stored(value))
-    slack = SLACK * (high - low)
-    if not low - slack <= inside <= high + slack:
+    rounding = SLACK * (high - low)
+    if not low - rounding <= inside <= high + rounding:
         shown = parameter.shown(np.array([low, high]))
         unit = "" if parameter.display_unit == "1" else f" {parameter.display_unit}"
         _refuse(

@@ -20,7 +20,7 @@ from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-# What is not broken.
+# Formulas are not broken.
 _FORMULA = re.compile(r"(?<!\\)\$.*?(?<!\\)\$")
 GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),

@@ -110,7 +110,7 @@ class Camera:
 
 
 def is_behind(one: Solid, other: Solid, look: Floats) -> bool:
-    """Tell whether a solid is painted before another one."""
+    """Return True if a solid is painted before another one."""
     near = TOUCH * max(float(np.ptp(one.points)), float(np.ptp(other.points)))
     for a, b, answer in ((one, other, True), (other, one, False)):
         beyond = (a.normals @ b.points.T).min(axis=1) - a.offsets > -near

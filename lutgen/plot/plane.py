@@ -68,7 +68,7 @@ class Plane:
             first = np.abs(vm - va) > np.abs(vb - vm)
             b, vb = np.where(first, middle, b), np.where(first, vm, vb)
             a, va = np.where(first, a, middle), np.where(first, va, vm)
-            # A step that is no jump by now is none later.
+            # A step that is not a jump by now never is.
             left = (np.abs(vb - va) > BREAK * self.degree) & self._stands(np.fmax(va, vb))
             rows, columns, va, vb = rows[left], columns[left], va[left], vb[left]
             a, b = a[:, left], b[:, left]

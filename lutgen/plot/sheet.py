@@ -1,4 +1,4 @@
-"""Sheet: how wide a figure is and in which style it is drawn, if somebody asks."""
+"""Sheet: how wide a figure is and in which style it is drawn, if that is given."""
 
 import re
 from collections.abc import Iterator
@@ -30,11 +30,8 @@ class Sheet:
 
 OWN = Sheet()
 _sheet: ContextVar[Sheet] = ContextVar("sheet", default=OWN)
-
-
-def sheet() -> Sheet:
-    """Return the sheet that figures are drawn on now."""
-    return _sheet.get()
+# The sheet that figures are drawn on now.
+sheet = _sheet.get
 
 
 @contextmanager
@@ -65,11 +62,11 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
 
 def resize(figure: Figure) -> None:
     """Scale a finished figure to the sheet, with its letters and lines."""
-    asked = sheet()
-    if asked.width is None:
+    page = sheet()
+    if page.width is None:
         return
     width, height = figure.get_size_inches() * INCH
-    scale = min(asked.width / width, (asked.height or np.inf) / height)
+    scale = min(page.width / width, (page.height or np.inf) / height)
     figure.set_size_inches(figure.get_size_inches() * scale)
     ticks = set()
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):

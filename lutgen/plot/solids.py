@@ -62,7 +62,7 @@ class Body:
         return 0.0 if TRACK.search(link.name) else (link.mass / WATER) ** (1.0 / 3.0) * unit
 
     def is_bulky(self, link: Link) -> bool:
-        """Tell whether the block of a link is a body and no arm."""
+        """Return True if the block of a link is a body and no arm."""
         return self.block(link) > BULKY * UNITS.get(self.recipe.length_unit, 1.0)
 
     def cube(self, link: Link) -> list[Solid]:
@@ -135,7 +135,7 @@ def solids_of(recipe: Recipe, params: ArrayLike) -> list[Solid]:
 
 
 def _rims(body: Body, link: Link) -> tuple[bool, list[Solid]]:
-    """Return whether a link runs on tracks, and its tracks and wheels."""
+    """Return the tracks and wheels of a link, after True if it runs on tracks."""
     contacts, left, rims = body.recipe.contacts, body.mine(link, "disc"), []
     belts = any(contact.belt for contact in contacts)
     named = any(TRACK.search(f"{link.name} {contacts[i].name}") for i in left) and not belts

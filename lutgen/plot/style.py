@@ -35,7 +35,7 @@ from lutgen.plot.sheet import resize, sheet
 
 log = logging.getLogger("lutgen")
 
-# DejaVu comes with matplotlib; the others are asked for letters that it lacks, if installed.
+# DejaVu comes with matplotlib; the others have letters that it lacks, if installed.
 KNOWN = (
     *("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC"),
     *("Noto Sans JP", "Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei"),
@@ -67,7 +67,7 @@ def families() -> tuple[str, ...]:
 
 @contextmanager
 def said_once() -> Iterator[None]:
-    """Say in one sentence which letters no font has, whatever is drawn within a with block."""
+    """Say in one sentence which letters drawn within a with block no font has."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
@@ -128,7 +128,7 @@ def colours() -> Colours:
 
 
 def house_style() -> AbstractContextManager[None]:
-    """Apply the style sheets inside a with block, whatever the user's own settings are."""
+    """Apply the style sheets inside a with block, over the user's own settings."""
     sheets = [HERE / "light.mplstyle"]
     sheets += [HERE / "dark.mplstyle"] if sheet().style == "dark" else []
     own = {"font.family": families(), "hatch.color": colours().hatch}

@@ -74,7 +74,7 @@ def _words(recipe: Recipe, found: PostureLimits) -> tuple[str, str]:
     least = math.degrees(found.worst.tilt)
     sentence = f"Leans at least {angle(least)} in any direction before it tips over"
     sentence = "It never tips over" if least > 179.99 else sentence
-    sentence = sentence if found.stands else "It tips over where nobody tilts it"
+    sentence = sentence if found.stands else "It tips over untilted"
     start = f"tilted from {FROM[found.convention]}; nose at the top."
     return sentence, f"{named(recipe, found.params)}\nThe further out, the more it is {start}"
 

@@ -19,7 +19,7 @@ ROOM, FORCE = 0.18, 0.18
 # Regions farther out than this, in sides of the feet's box, leave the picture.
 FAR = 1.0
 NEAR: dict[str, Any] = {"textcoords": "offset points", "size": 10, "zorder": 9}
-SAID = {True: "Holds", False: "Does not hold", None: "Nobody can tell whether it holds"}
+SAID = {True: "Holds", False: "Does not hold", None: "Unknown if it holds"}
 
 
 @in_house_style

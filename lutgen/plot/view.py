@@ -1,4 +1,4 @@
-"""View: the checked options of a figure, the numbers that they ask for, and its page."""
+"""View: the checked options of a figure, their numbers, and its page."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class View:
     `params` (k,) float64 is the posture, rad or length, at `home` or in the middle of the range
     if the caller gave none; `axes` are the columns that the figure varies.  `gravity_dir` (3,) is
     a unit vector in the frame that `convention` names, see `lutgen.channels.resting`.  `scale` is
-    what colours span, as shown; `ax` are axes of somebody else to draw into.
+    what colours span, as shown; `ax` are the caller's axes to draw into.
     """
 
     recipe: Recipe
@@ -93,7 +93,7 @@ class View:
         return np.broadcast_to(down, (len(rows), *down.shape))
 
     def rocks(self, directions: Floats) -> NDArray[np.bool_]:
-        """Tell where the figure's posture rocks between rests, (d,); False if it is not known."""
+        """Return where the figure's posture rocks between rests, (d,); False if it is not known."""
         stored = () if self.stability_map is None else self.stability_map.channels
         if is_sealed(self.recipe) and "status" not in stored:
             return np.zeros(len(directions), np.bool_)
@@ -101,12 +101,12 @@ class View:
 
 
 def is_sealed(recipe: Recipe) -> bool:
-    """Tell whether the robot is given by code that was not loaded, as in a map file."""
+    """Return True if the robot is given by code that was not loaded, as in a map file."""
     return recipe.python is not None and recipe.function is None
 
 
 def optimum(channel: str, values: Floats) -> int | None:
-    """Return the flat index of the best finite value of a channel; None if there is none."""
+    """Return the flat index of the best finite value of a channel; or None."""
     cost = QUANTITIES[channel].sign * np.where(np.isfinite(values), values, np.nan)
     return None if np.isnan(cost).all() else int(np.nanargmin(cost))
 

@@ -111,7 +111,7 @@ def lowest_of(contact: Contact, place: Place) -> float:
 
 
 def has_support(robot: UrdfRobot, where: Mapping[str, Place], near: bool = False) -> bool:
-    """Return whether the com is above what would be proposed, or the part of it near the ground."""
+    """Return True if the com is above what would be proposed, or the part of it near the ground."""
     try:
         found = proposed_contacts(robot, where)
     except RecipeError:
@@ -177,7 +177,7 @@ def listed(names: Collection[str], most: int = LISTED) -> str:
 
 
 def is_above(com: Floats, points: Floats) -> bool:
-    """Return whether points (n, 3) are on all sides of the com, seen from above."""
+    """Return True if points (n, 3) are on all sides of the com, seen from above."""
     away = points[:, :2] - com[:2]
     around = np.sort(np.arctan2(away[:, 1], away[:, 0]))
     if len(around) < 3:

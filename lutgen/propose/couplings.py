@@ -110,7 +110,7 @@ def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
     result = []
     for family in limbs.families(names):
         while family:
-            # A joint whose limits leave the others too little is none of them.
+            # A joint whose limits leave the others too little is left out.
             members: dict[str, float] = {}
             for name, sign in family.items():
                 wider = {**members, name: sign}

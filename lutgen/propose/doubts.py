@@ -1,4 +1,4 @@
-"""Find what may make a described robot less stable than it is told: mistakes, free joints.
+"""Find what may make a robot less stable than its description: mistakes, free joints.
 
 Axles that swing are joints about the way ahead that no motor holds and that carry two contacts.
 """
@@ -48,7 +48,7 @@ def swinging_axles(
 
 
 def with_axles_fixed(robot: UrdfRobot, axles: Sequence[Axle]) -> UrdfRobot:
-    """Return a description whose axles are held amid their swing: no parameter moves them."""
+    """Return a description whose axles are held in mid-swing: no parameter moves them."""
     names = {axle.name for axle in axles}
     joints = [
         replace(joint, kind="fixed") if joint.name in names else joint for joint in robot.joints

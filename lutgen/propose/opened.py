@@ -24,7 +24,7 @@ DRAWN = "as there is no collision shape"
 
 @dataclass(frozen=True)
 class _Link:
-    """A link whose meshes were opened; heights (m) in the root's frame, infinite where none is.
+    """A link whose meshes were opened; heights (m) in the root's frame, or infinite.
 
     `corners` (n, 3) are the meshes', in its own frame; `low` is where its lowest shape ends, and
     `ball` where the lowest of its spheres and cylinders does.
@@ -43,8 +43,8 @@ def opened_meshes(
 
     Those of the links that are `named`, or of each chain of links the lowest, near the ground.  A
     mesh that was opened has its extent as `size`, one that cannot be read the reason as its note;
-    on links that touch, one shape stands for all.  Of a link without collision shapes the visual
-    meshes serve, where it is named, and where the robot does not stand on spheres and cylinders.
+    on links that touch, one shape stands for all.  The visual meshes of a link without collision
+    shapes serve, if it is named, or if the robot does not stand on spheres and cylinders.
     """
     found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
     chosen = _touching(robot, found, where) if named is None else set(named)

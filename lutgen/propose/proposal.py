@@ -71,7 +71,7 @@ def import_urdf(
     motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
     links = {link.name for link in robot.links}
-    # An unknown link is refused in the same words, whoever names it.
+    # An unknown link is refused in the same words from every caller.
     named_contacts(robot, [contact.link for contact in given if contact.link not in links])
     proposes = contacts is None and not given
     if meshes is not None:

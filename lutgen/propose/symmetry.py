@@ -141,7 +141,7 @@ class Limbs:
         return result
 
     def _is_folded(self, sets: Sequence[Sequence[str]]) -> bool:
-        """Return whether rear limbs stand as mirror images of front ones, or rather like these."""
+        """Return True if rear limbs stand as mirror images of front ones, not like these."""
         alike = mirrored = 0.0
         count = 0
         for members in sets:

@@ -164,7 +164,7 @@ def parameter_names(motion: Motion) -> dict[str, str]:
     """Return an identifier for each free joint, and for the first joint of each couple."""
     given = {couple.first: couple.name for couple in motion.couples}
     result: dict[str, str] = {}
-    # Names that were asked for come first; a joint may be called so, too.
+    # Names that were given come first; a joint may be called so, too.
     for joint in sorted(motion.free, key=lambda joint: joint not in given):
         base = re.sub(r"[^A-Za-z0-9_]", "_", given.get(joint, joint))
         if not base[0].isalpha() or base in RESERVED:

@@ -152,7 +152,7 @@ def body_parts(recipe: Recipe) -> tuple[Contact, ...]:
 def load_function(
     source: str, name: str, parameters: tuple[Parameter, ...], allow_python: bool
 ) -> tuple[Callable[..., Any], int]:
-    """Import a posture function, from the recipe's folder first, and call it once amid its ranges.
+    """Import a posture function, from the recipe's folder first, and call it once in mid-range.
 
     Returns ``q (m, k) -> contacts (m, n, 3), com (m, 3)`` and n.
     """

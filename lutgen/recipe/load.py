@@ -227,7 +227,7 @@ class _Writer(GenerateJsonSchema):
 def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema of recipes, draft 2020-12, as plain lists and dicts.
 
-    It knows keys, types and intervals.  What keys demand of each other, such as that a name is that
-    of a link, only `parse_recipe` refuses.
+    It knows keys, types and intervals.  Only `parse_recipe` checks keys against each other, such as
+    that a name is that of a link.
     """
     return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

@@ -42,7 +42,7 @@ class Recipe:
 
     `text` is the TOML itself, `source` its file name for messages, and `urdf` the content of the
     robot description that it names.  `function` is that of `python` for a robot given by code.
-    Payloads are links; `rest_width` and `contact_tolerance` are None where they are left to the
+    Payloads are links; `rest_width` and `contact_tolerance` are None if they are left to the
     size, `home` has what the recipe says of its posture, and `snapped` says which contacts are not
     quite where the text has them.
     """
@@ -106,12 +106,12 @@ class Recipe:
 
     @property
     def has_wrench(self) -> bool:
-        """Whether any force or moment acts beside the weight."""
+        """True if any force or moment acts beside the weight."""
         return any(force.acts for force in self.forces)
 
     @property
     def loaded(self) -> bool:
-        """Whether forces act beside the weight, or the com is uncertain."""
+        """True if forces act beside the weight, or the com is uncertain."""
         return self.has_wrench or self.com_uncertainty > 0.0
 
 

@@ -247,7 +247,7 @@ def part_faults(
 ) -> Iterator[Fault]:
     """Yield the faults of all contacts together, and of wheels, payloads and forces.
 
-    `links` has the parent of each; `massive` says whether any has a mass; `contacts` are all,
+    `links` has the parent of each; `massive` is True if any has a mass; `contacts` are all,
     those of links' `shapes`, too.
     """
     names = [[one.name] if one.name and one.position else [] for one in robot.contact]

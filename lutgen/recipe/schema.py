@@ -115,7 +115,7 @@ class Parameter(Table):
         "Several joints of the URDF that it moves: of each its scale, or scale and offset.",
         {"left_hip": 1.0, "right_hip": {"scale": -1.0, "offset": 10.0}},
     )
-    meaning: Text | None = may("What its values mean, for figures.", "0: ahead, 90: up")
+    meaning: Text | None = may("The meaning of its values, for figures.", "0: ahead, 90: up")
 
 
 class Joint(Table):
@@ -125,7 +125,7 @@ class Joint(Table):
         "It turns about its axis, is pushed along it, or does not move.", "revolute"
     )
     axis: Direction | None = may("In the link's frame; needed where it moves.", [0, 1, 0])
-    parameter: Text | None = may("What drives it; several joints may share one.", "lift")
+    parameter: Text | None = may("Its parameter; several joints may share one.", "lift")
     scale: Factor = may("The joint is at `scale` times the parameter plus `offset`.", -1.0, 1.0)
     offset: OfParameter = may("Where the joint is at parameter 0.", 90.0, 0.0)
 
@@ -134,7 +134,7 @@ class Link(Table):
     """A rigid part; all make a tree with the root `body`."""
 
     name: Text = key("A name of its own; `body` is the root.", "leg")
-    parent: Text | None = may("What carries it; every link but `body` has one.", "body")
+    parent: Text | None = may("The link that carries it; every link but `body` has one.", "body")
     origin: Place = may("Where it is in its parent.", [0.3, 0, 0], ZEROS)
     rpy: Annotated[Vector, _in("deg")] = may(
         "How it is turned in its parent: roll, pitch, yaw about fixed axes.", [0, 0, 180], ZEROS
@@ -165,7 +165,7 @@ class Contact(Table):
     rolling: Flag = may(
         "It turns freely, without a brake; changes no map and no export.", True, False
     )
-    width: Radius | None = may("Of a disc along its axle, for figures.", 0.1)
+    width: Radius | None = may("Width of a disc along its axle, for figures.", 0.1)
     belt: Text | None = may("Discs of one belt are drawn as a track, for figures.", "left")
 
 
@@ -178,7 +178,7 @@ class Axle(Table):
     )
     pivot: Place = key("A point of the line about which it swings.", [2.3, 0, 0.5])
     axis: Direction = may("Along that line.", [1, 0, 0], [1, 0, 0])
-    link: Text = may("What holds the pivot, and the frame of it.", "chassis", "body")
+    link: Text = may("The link with the pivot, and its frame.", "chassis", "body")
     stops: Annotated[Finite, Field(gt=0, le=90), _in("deg")] | None = may(
         "How far it swings to either side; changes no verdict.", 11.0
     )
@@ -229,7 +229,7 @@ class Force(Table):
 class Robot(Table):
     """The robot."""
 
-    name: Text = key("What the robot is called.", "rover")
+    name: Text = key("The name of the robot.", "rover")
     length_unit: LengthUnit = key("The unit of all lengths, 1 for ratios.", "m")
     friction: Positive | None = may(
         "Coefficient of all braked contacts; says what slides, changes no verdict.", 0.6
@@ -264,15 +264,15 @@ class Robot(Table):
     python: Text | None = may(
         "Code that places the contacts, module:function; needs `--allow-python`.", "rover:postures"
     )
-    title: Text | None = may("What figures call the robot, if not its name.", "Rover, 2nd")
-    parameter: list[Parameter] = tables("What the robot can change, in the order of the axes.")
+    title: Text | None = may("The name in figures, if another.", "Rover, 2nd")
+    parameter: list[Parameter] = tables("The changes of the robot, in the order of the axes.")
     link: list[Link] = tables("Rigid parts, a tree with the root `body`.")
     contact: list[Contact] = tables(f"Places that can touch the ground, 3 to {MAX_CONTACTS}.")
     axle: list[Axle] = tables("Pairs of contacts that swing about a pivot.")
     wheel: list[Wheel] = tables("Contacts that are driven, for `lutgen wheels`.")
     group: list[Group] = tables("Contacts that carry together; without any each alone.")
-    payload: list[Payload] = tables("What the robot carries.")
-    force: list[Force] = tables("What pulls at it; no export and no `energy_margin` then.")
+    payload: list[Payload] = tables("Point masses that the robot carries.")
+    force: list[Force] = tables("Pulls at it; no export and no `energy_margin` then.")
 
 
 class Gravity(Table):
@@ -285,22 +285,22 @@ class Gravity(Table):
     nodes: Annotated[int, Strict(), Field(ge=1, le=bounds.SIDE.most)] = key(
         "Along a side of a face; 2 or more of a sphere, which has six faces.", 33
     )
-    channels: Channels | None = may("What the map holds; here or in `[sweep]`.", ["sdg"])
+    channels: Channels | None = may("Its quantities; here or in `[sweep]`.", ["sdg"])
 
 
 class Sweep(Table):
     """The contents of the map."""
 
     samples: dict[str, Sampled] | None = may(
-        "Of each parameter its nodes, both ends included, or its knots.",
+        "Nodes of each parameter, both ends included, or its knots.",
         {"lift": 37, "reach": [0.0, 0.1, 0.4]},
     )
     gravity: Gravity = key("Which directions the map has.", None)
-    channels: Channels | None = may("What the map holds; here or in `[sweep.gravity]`.", ["sdg"])
+    channels: Channels | None = may("Its quantities; here or in `[sweep.gravity]`.", ["sdg"])
 
 
 class Export(Table):
-    """What `lutgen export` uses where its options say nothing."""
+    """Defaults of the options of `lutgen export`."""
 
     flash: Annotated[Size | Bytes, _either(str)] | None = may(
         "The most bytes of tables and code: a number, or a text with B, kB, KiB or MiB.", "16KiB"
@@ -313,6 +313,6 @@ class Export(Table):
 class File(Table):
     """A recipe of lutgen."""
 
-    robot: Robot = key("What the robot is.", None)
-    sweep: Sweep = key("What its map holds.", None)
+    robot: Robot = key("The robot.", None)
+    sweep: Sweep = key("Nodes and channels of its map.", None)
     export: Export | None = may("Defaults of `lutgen export`.", None)

@@ -24,7 +24,7 @@ DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
 # No value is within this limit, so that a search does not look for acceptable ranges.
 NO_LIMIT = math.nan
 # Headings are equally good within this cost, which has rounding errors where the robot tips (the
-# cost is then around 1e9): a robot that looks the same from several sides shall not turn.
+# cost is then around 1e9): a robot that looks the same from several sides does not turn.
 EQUAL, ROUNDING = 1e-9, 1e-15
 
 
@@ -33,7 +33,7 @@ class Drive:
     """One run along a path of p points.
 
     `path` is as given, the robot in its own heading.  `params` (p, k) is the geometry at each
-    point, rad or length, and `wanted` (p, k) the one that control asked for; another one only where
+    point, rad or length, and `wanted` (p, k) the one that control requested; another one only where
     rates are limited.  `turn` (p,) is by how much the robot is turned against the path's heading,
     to the left, and `heading` (p,) its yaw in the world, rad.  `gravity_body` (p, 3) are unit
     vectors, down, in the body frame, in the attitude that the robot takes.  `channels` are sdg,
@@ -113,9 +113,10 @@ def drive(
     evaluations = 0
     turns = _turns(1 if headings is None else headings)
     if (control or headings is not None) and lag < count:
-        asked = {"method": method, "objective": objective, "convention": convention, **options}
-        kept, asked = None if control else start, {"limit": NO_LIMIT, **asked}
-        found = _best(recipe, path.gravity[: count - lag], turns, kept, asked)
+        options |= {"method": method, "objective": objective, "convention": convention}
+        options.setdefault("limit", NO_LIMIT)
+        kept = None if control else start
+        found = _best(recipe, path.gravity[: count - lag], turns, kept, options)
         wanted[lag:], turn[lag:], evaluations = found
     taken = turned(path, turn)
     params = wanted if fastest is None else _follow(wanted, start, path, fastest)
@@ -125,11 +126,11 @@ def drive(
 
 
 def _best(
-    recipe: Recipe, gravity: Floats, turns: Floats, kept: Floats | None, asked: dict[str, Any]
+    recipe: Recipe, gravity: Floats, turns: Floats, kept: Floats | None, options: dict[str, Any]
 ) -> tuple[Floats, Floats, int]:
     """Return geometries (p, k), turns (p,), rad, and evaluations for directions on the ground.
 
-    `kept` (k,) is the geometry of a robot that does not change it; `asked` are the keywords of
+    `kept` (k,) is the geometry of a robot that does not change it; `options` are the keywords of
     `optimum`.
     """
     # Equal directions (p, 3) are searched once.
@@ -137,7 +138,7 @@ def _best(
     each = np.repeat(unlike, len(turns), axis=0)
     ground = Path(np.zeros((len(each), 3)), np.zeros(len(each)), each)
     down = turned(ground, np.tile(turns, len(unlike))).gravity
-    params, costs, evaluations = _geometries(recipe, down, kept, **asked)
+    params, costs, evaluations = _geometries(recipe, down, kept, **options)
     costs = costs.reshape(len(unlike), len(turns))
     least = costs.min(axis=1, keepdims=True)
     chosen = (costs <= least + EQUAL + ROUNDING * np.abs(least)).argmax(axis=1)
@@ -146,17 +147,22 @@ def _best(
 
 
 def _geometries(
-    recipe: Recipe, gravity: Floats, kept: Floats | None, method: str, objective: str, **asked: Any
+    recipe: Recipe,
+    gravity: Floats,
+    kept: Floats | None,
+    method: str,
+    objective: str,
+    **options: Any,
 ) -> tuple[Floats, Floats, int]:
     """Return the geometries (m, k) for headings (m, 3), their costs (m,), and evaluations."""
     if kept is None and method == "search":
-        meshed = {key: asked[key] for key in asked if key not in ("limit", "start", "seed")}
+        meshed = {key: options[key] for key in options if key not in ("limit", "start", "seed")}
         return searched_each(recipe, gravity, objective, **meshed)
-    goal = Objective(recipe, gravity[0], objective, asked["convention"])
+    goal = Objective(recipe, gravity[0], objective, options["convention"])
     if kept is not None:
         params, evaluations = np.tile(kept, (len(gravity), 1)), len(gravity)
     else:
-        found = [optimum(recipe, one, method, objective, **asked) for one in gravity]
+        found = [optimum(recipe, one, method, objective, **options) for one in gravity]
         params = np.array([one.params for one in found])
         evaluations = sum(one.evaluations for one in found)
     return params, goal.cost(params, gravity), evaluations

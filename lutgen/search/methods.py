@@ -18,12 +18,12 @@ Cost = Callable[[Floats], Floats]
 
 NODES = 5
 LEVELS = 6
-# Of Nelder-Mead, as shares of the bounds, so that neither units nor zeros of joints matter.  For
+# Nelder-Mead, as shares of the bounds, so that neither units nor zeros of joints matter.  For
 # the paper's 50 deg the simplex ends at the 1e-4 (deg) of MATLAB's fminsearch.
 FIRST_SIMPLEX = 0.05
 TOLERANCE = 2e-6
 EVALUATIONS = 400  # for each parameter
-# Of `multistart`: candidates for k parameters, how many of them are refined roughly (to this share
+# `multistart`: candidates for k parameters, how many of them are refined roughly (to this share
 # of the bounds), and how many of those to the end.
 CANDIDATES_LOG2 = 7
 MOST_LOG2 = 12
@@ -111,7 +111,7 @@ def nelder_mead(
 
     `start` (k,) is the first corner of the simplex; the others lie along the axes, towards the
     middle.  Its size, as a share of the bounds (k, 2), is `simplex` at first and `tolerance` at
-    last: it ends where the simplex is small, whatever the cost does there, since |SD_g| may jump.
+    last: it ends where the simplex is small, for any cost there, since |SD_g| may jump.
     One step per iteration; the last is the result.
     """
     from scipy.optimize import minimize

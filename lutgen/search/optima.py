@@ -1,6 +1,6 @@
 """The best geometry of a robot for a gravity direction.
 
-A search sees the parameters in the units that people read; what it reports is in rad or length.
+A search varies parameters in the units that people read; its results are in rad or length.
 """
 
 from collections.abc import Iterator
@@ -80,7 +80,7 @@ def optimum(
         A channel of `quantities.RANKED`, made as small or as large as is better, or a sum such as
         `sdg+0.1*height`.
     convention : {"body", "plane"}
-        Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
+        Gravity is fixed in the body frame, or relative to the contact plane, so that it
         turns in the body while the shape changes; see `channels.resting`.
     bounds : (k, 2) array_like, optional
         Where to search, rad or length; the recipe's ranges by default.  A parameter whose two
@@ -91,9 +91,9 @@ def optimum(
         The objective's worst acceptable value, for the acceptable ranges.  By default all
         geometries in which the robot stands are acceptable.
     levels, ends
-        Of `search`: see `methods.refine`.
+        For `search`: see `methods.refine`.
     seed : int
-        Of `multistart`.
+        For `multistart`.
 
     Examples
     --------
@@ -223,7 +223,7 @@ class _Space:
 
 
 def _space(recipe: Recipe, bounds: ArrayLike | None, method: str) -> _Space:
-    """Return the space of a search within bounds (k, 2), rad or length; refuse what is none."""
+    """Return the space of a search within bounds (k, 2), rad or length; refuse others."""
     count = len(recipe.parameters)
     ranges = [[p.minimum, p.maximum] for p in recipe.parameters]
     box = np.array(ranges if bounds is None else bounds, dtype=np.float64)
@@ -265,11 +265,13 @@ def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
     axes = zip(recipe.grid.axes, space.free, strict=True)
     grid = Grid(tuple(axis for axis, free in axes if free))
     box = space.box
-    slack = 1e-12 * np.maximum(np.abs(box).max(axis=1), 1.0)
+    rounding = 1e-12 * np.maximum(np.abs(box).max(axis=1), 1.0)
     inside = 0
     for begin in range(0, grid.size, AT_ONCE):
         nodes = grid.params(np.arange(begin, min(begin + AT_ONCE, grid.size))) / space.factor
-        kept = (nodes >= box[:, 0] - slack).all(axis=1) & (nodes <= box[:, 1] + slack).all(axis=1)
+        kept = (nodes >= box[:, 0] - rounding).all(axis=1) & (nodes <= box[:, 1] + rounding).all(
+            axis=1
+        )
         inside += int(kept.sum())
         if kept.any():
             yield nodes[kept]

@@ -52,14 +52,11 @@ class Path:
         return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def paper_path(
-    points: int = 100, attitude: str = "pitch", span: tuple[float, float] = SPAN
-) -> Path:
+def paper_path(points: int = 100, span: tuple[float, float] = SPAN) -> Path:
     """Return the paper's rough terrain, Eqs 30-33: x = s, y = 0.8 sin(s)/s, z = 15 sin(s)^2/s.
 
-    The points, at least 2, are evenly spaced in s over the `span`; they have no unit, slopes come
-    from the derivative, and the heading is 0 throughout.  Attitude ``"pitch"``: the robot pitches
-    by atan(dz/ds), its roll is 0; ``"surface"``: the ground is level across the path.
+    The points, at least 2, are evenly spaced in s over the `span`; they have no unit, and the
+    heading is 0 throughout.  The robot pitches by atan(dz/ds), its roll is 0.
 
     Examples
     --------
@@ -73,22 +70,10 @@ def paper_path(
     # NumPy's sinc has pi inside, and the value 1 at 0.
     sinc = np.sinc(s / np.pi)
     position = np.column_stack([s, 0.8 * sinc, 15.0 * np.sin(s) * sinc])
-    climb = 15.0 * sinc * (2.0 * np.cos(s) - sinc)
+    pitch = np.arctan(15.0 * sinc * (2.0 * np.cos(s) - sinc))
     level = np.zeros(points)
-    if attitude == "pitch":
-        pitch = np.arctan(climb)
-        gravity = np.column_stack([-np.sin(pitch), level, -np.cos(pitch)])
-    else:
-        tangent = np.column_stack([np.ones(points), 0.8 * _sinc_slope(s, sinc), climb])
-        gravity = _gravity(_level_across(tangent, _directions(tangent)), level)
+    gravity = np.column_stack([-np.sin(pitch), level, -np.cos(pitch)])
     return Path(position, level, gravity)
-
-
-def _sinc_slope(s: Floats, sinc: Floats) -> Floats:
-    """Return the derivative of sin(s)/s, by its series where the difference would cancel."""
-    small = np.abs(s) < 1e-3
-    safe = np.where(small, 1.0, s)
-    return np.where(small, -s / 3.0 + s**3 / 30.0, (np.cos(s) - sinc) / safe)
 
 
 def along(

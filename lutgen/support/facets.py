@@ -55,7 +55,7 @@ def _ends_of_row(primitives: Floats, mask: int, normal: Vector, along_row: Vecto
 def _roll_over(
     primitives: Floats, region: Region, pair: Ends, start: Start, limits: Limits
 ) -> tuple[int, bool, Ends]:
-    """Roll a plane over a pair of contacts; return the facet beyond, and whether it has grown.
+    """Roll a plane over a pair of contacts; return the facet beyond, and True if it is enlarged.
 
     `start`: the bits of what touches, the plane's normal, and the direction to which it is tilted.
     A contact that comes into the row of the pair makes no facet: on the ends of the row the plane
@@ -135,7 +135,7 @@ def _edge_between(primitives: Floats, region: Region, f: int, i: int, j: int, sa
 
 @njit(inline=True, bare=True)
 def _pair_up(region: Region, e: int) -> bool:
-    """Pair an edge with a single one between the same primitives; tell whether there is one."""
+    """Pair an edge with a single one between the same primitives; return True if there is one."""
     edge, begin, end = region.edge, region.edge[e].primitive, region.edge[edge_after(region, e)]
     for twin in range(region.counts[EDGES]):
         if edge[twin].primitive != end.primitive or edge[twin].facet < 0 or edge[twin].twin >= 0:

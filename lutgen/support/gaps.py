@@ -224,7 +224,7 @@ def _held(
 def _find_gap(primitives: Floats, region: Region, e: int, one: bool, free: bool) -> bool:
     """Find the held part of an edge between two rests, and add the gap if it has any width.
 
-    Returns whether the robot rocks there.
+    Returns True if the robot rocks there.
     """
     edge, seat = region.edge, region.seat
     twin = edge[e].twin

@@ -10,12 +10,12 @@ from lutgen.support.table import EDGES, FACETS, Region
 from lutgen.support.tilting import ALL, touching
 from lutgen.vector import cross, dot, length, read3, subtract, unit, write3
 
-# How often a facet that has grown looks for what its new plane touches.
+# How often an enlarged facet looks for what its new plane touches.
 GATHERS = 2
 # Normals of one facet differ by less (rad).
 ONE_NORMAL = 1e-4
-# A corner that stands out of its neighbours' line by less than so many times SAME is none: rounding
-# tells whether it touches both planes beside a row of contacts.
+# A corner that stands out of its neighbours' line by less than so many times SAME is left out:
+# rounding decides if it touches both planes beside a row of contacts.
 ROW = 10.0
 
 
@@ -76,7 +76,7 @@ def write_edge(region: Region, e: int, f: int, primitive: int, point: Vector) ->
 def _enter(
     primitives: Floats, region: Region, f: int, normal: Vector, mask: int, same: float
 ) -> bool:
-    """Write facet f with its edges behind all others; tell whether its contacts make a polygon."""
+    """Write facet f with its edges behind all others; True if its contacts make a polygon."""
     facet, edge, count = region.facet, region.edge, region.counts
     corners = corners_of(primitives, mask, normal, ROW * same, region)
     first = count[EDGES]
@@ -112,7 +112,7 @@ def forget_edges(region: Region, first: int, corners: int) -> None:
 def _are_one(
     primitives: Floats, region: Region, f: int, normal: Vector, mask: int, same: float
 ) -> bool:
-    """Tell whether a plane and facet f share three contacts that are not in a line."""
+    """Return True if a plane and facet f share three contacts that are not in a line."""
     common = region.facet[f].mask & mask
     if (
         bit_count(common) < 3
@@ -160,11 +160,11 @@ def _grow(primitives: Floats, region: Region, f: int, mask: int, same: float) ->
 def facet_at(
     primitives: Floats, region: Region, normal: Vector, mask: int, i: int, same: float
 ) -> tuple[int, bool]:
-    """Return the facet with a normal that touches i, known or new, and whether it has grown.
+    """Return the facet with a normal that touches i, known or new, and True if it is enlarged.
 
-    `mask`: the bits of all that it touches.  -1 where they are in a line.  What is within `same`
-    (length) of its plane is in it, and planes that share three contacts which are not in a line are
-    one facet.
+    `mask`: the bits of all that it touches.  -1 where they are in a line.  All primitives within
+    `same` (length) of its plane are in it, and planes that share three contacts which are not in a
+    line are one facet.
     """
     facet, count = region.facet, region.counts
     if bit_count(mask) > 3:
@@ -187,7 +187,7 @@ def facet_at(
 
 @njit(bare=True)
 def leave_old_edges_out(region: Region) -> None:
-    """Move the edges of facets that have grown up to where their old ones were."""
+    """Move the edges of enlarged facets to the place of their old ones."""
     edge, count, kept = region.edge, region.counts, 0
     for e in range(count[EDGES]):
         if edge[e].facet < 0:

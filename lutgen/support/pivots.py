@@ -137,7 +137,7 @@ def _shown(region: Region, primitive: int, mask: int) -> int:
 
 @njit(bare=True)
 def _axle_on(region: Region, axles: Floats, mask: int) -> tuple[int, int, int]:
-    """Return the row of the axle that is in a mask, and its contacts; -1 if there is none.
+    """Return the row of the axle that is in a mask, and its contacts, or -1.
 
     -2 if only one of its contacts is, or if there are two axles, on which nothing stands.
     """
@@ -155,7 +155,7 @@ def _axle_on(region: Region, axles: Floats, mask: int) -> tuple[int, int, int]:
 
 @njit(bare=True)
 def _read_axle(axles: Floats, k: int, ends: Line, normal: Vector) -> tuple[Axle, bool]:
-    """Return the axle in row k on the ground, and whether it has a pivot there."""
+    """Return the axle in row k on the ground, and True if it has a pivot there."""
     across = unit(cross(subtract(ends[1], ends[0]), normal))
     way, point = unit(axle(axles, k)), row(axles, k)
     slope = dot(way, across)
@@ -179,7 +179,7 @@ def _read_axle(axles: Floats, k: int, ends: Line, normal: Vector) -> tuple[Axle,
 def _find_sides(
     primitives: Floats, region: Region, ground: Ground, mask: int, axle: Axle
 ) -> tuple[int, int]:
-    """Find the hull of contacts in a mask and the pivot, as the com of the rest sees it.
+    """Find the hull of contacts in a mask and the pivot, seen from the com of the rest.
 
     Returns how many sides it has and the name of the pivot.  The points are left in
     `Region.polygon`, and the names of the corners in `Region.ids`, counter-clockwise.

@@ -112,7 +112,7 @@ def corners_of(primitives: Floats, mask: int, normal: Vector, near: float, regio
 
 @njit(inline=True, bare=True)
 def has_bit(mask: int, i: int) -> bool:
-    """Tell whether bit i of a mask is set."""
+    """Return True if bit i of a mask is set."""
     return (mask >> i) & 1 == 1
 
 

@@ -23,7 +23,7 @@ RADIUS, KIND = 6, 7
 # A disc whose axis is within this angle (rad) of the plane's normal lies on its face.
 FACE_ANGLE = 1e-6
 NO_FACE = FACE_ANGLE * FACE_ANGLE
-# Steps of Newton's method: it converges in 4 to 6 wherever a plane is near to the one sought.  The
+# Steps of Newton's method: it converges in 4 to 6 from any plane near the solution.  The
 # last step (squared) is so short that the next one would be rounding; if two planes are about to be
 # one, half as long as the one before.
 NEWTON, CONVERGED, NEARLY = 30, 1e-18, 1e-16
@@ -91,7 +91,7 @@ def support_height(primitives: Floats, i: int, normal: Vector) -> float:
 
 @njit(inline=True, bare=True)
 def are_alike(primitives: Floats, i: int, j: int) -> bool:
-    """Tell whether the contacts of two primitives are as far apart on every plane.
+    """Return True if the contacts of two primitives are as far apart on every plane.
 
     They are points, or of one radius and one axis, if they have any.
     """
@@ -113,7 +113,7 @@ def tangent_plane(
     Returns
     -------
     tuple
-        The unit normal, on the side of `normal`; whether the method converged.
+        The unit normal, on the side of `normal`; True if the method converged.
     """
     third = k if k >= 0 else j
     flat = are_alike(primitives, i, j) and are_alike(primitives, i, third)
@@ -145,7 +145,7 @@ ONE_AXIS = 1e-5
 
 @njit(bare=True)
 def lies_within(primitives: Floats, i: int, j: int, part: float, size: float) -> bool:
-    """Tell whether primitive i lies within j, a ball, a round plate or a point.
+    """Return True if primitive i lies within j, a ball, a round plate or a point.
 
     But for a `part` of the radius of j, or of POINT_WHEEL of the size (length) if j is a point.
     """

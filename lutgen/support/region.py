@@ -54,7 +54,7 @@ ONE_REST = 2e-4
 def _is_accepted(
     primitives: Floats, region: Region, f: int, accept: Acceptance, same: float
 ) -> bool:
-    """Tell whether the com is above a facet, it faces down, and no wheel lies on its face there."""
+    """Return True if a facet faces down below the com, and no wheel lies on its face there."""
     facet = region.facet[f]
     normal = read3(facet.normal)
     if not (facet.height > max(accept.least_height, same) and -normal[2] > accept.steepest):
@@ -208,7 +208,7 @@ def add_rests(region: Region) -> None:
 
 @njit(bare=True)
 def add_boundary(region: Region, gaps: int) -> None:
-    """Add what of each rest's edges is not held, and tell whether the region is convex.
+    """Add the parts of each rest's edges that are not held, and note if the region is convex.
 
     `gaps`: how many there are, but for those between rests of a group.
     """
@@ -236,14 +236,14 @@ def add_boundary(region: Region, gaps: int) -> None:
 
 @njit(bare=True)
 def _is_short(region: Region, b: int) -> bool:
-    """Tell whether an arc is so short that noise tells where its plane is."""
+    """Return True if an arc is so short that noise decides where its plane is."""
     start = read3(region.arc[b].start)
     return length(subtract(read3(region.arc[b].stop), start)) <= NOISE * length(start)
 
 
 @njit(bare=True)
 def _is_noise(region: Region, b: int) -> bool:
-    """Tell whether an arc is short, and longer ones close the region beside it.
+    """Return True if an arc is short, and longer ones close the region beside it.
 
     In a region as narrow as that, which is a sliver, every arc counts.
     """
@@ -259,7 +259,7 @@ def _is_noise(region: Region, b: int) -> bool:
 
 @njit(bare=True)
 def _is_convex(region: Region) -> bool:
-    """Tell whether every corner of every rest is inside every tip-over plane, but for noise."""
+    """Return True if every corner of every rest is inside every tip-over plane, but for noise."""
     edge = region.edge
     for b in range(region.counts[ARCS]):
         if _is_noise(region, b):

@@ -111,7 +111,7 @@ def roll_over(normals: Places, places: Places) -> tuple[float, Vector]:
 
 @njit(inline=True, bare=True)
 def _stays(inside: float, above: float, sunk: float) -> bool:
-    """Tell whether a robot stays behind an edge, see `held_by`."""
+    """Return True if a robot stays behind an edge, see `held_by`."""
     return inside >= 0.0 and (above + sunk <= 0.0 or inside * inside >= sunk * (2.0 * above + sunk))
 
 

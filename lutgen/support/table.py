@@ -18,12 +18,12 @@ from lutgen.vector import dot, read3, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 SAME = 1e-9
-# As many as an int64 has bits for, with the sign and one to spare.
+# As many as an int64 has bits for, with the sign and one left over.
 MAX_PRIMITIVES = 62
 # Verdicts of a direction: the values of the channel `status`.
 STANDS, ROCKS, TIPS = 0, 1, 2
 # Nearer to the normal of a facet that it carries (rad), or than 90 deg less `upright`, the axle of
-# a wheel may not be.  Of level axles `upright` says so itself.
+# a wheel may not be.  For level axles `upright` does the same.
 OFF_FACE = math.radians(10.0)
 NO_LIMIT = -2.0
 
@@ -55,7 +55,7 @@ class Acceptance(NamedTuple):
 
     `steepest`: a facet is accepted if -n_z is greater than this; one exactly at the limit is
     refused, because a robot that lies on its side does not stand.  `rock_angle` (rad): the largest
-    turn of a gap; infinity if every gap counts and nothing is asked.  `least_height` (length): a
+    turn of a gap; infinity if every gap counts and landings do not.  `least_height` (length): a
     facet is accepted if the com is higher above it.  `rest_width` (length): a rest is at least this
     wide.  `contact_tolerance` (length): contacts this near to a facet's plane make up its support
     polygon; below 0, minus a part of the posture's own size.  `face`: a wheel that carries a facet
@@ -96,7 +96,7 @@ class Region(NamedTuple):
     SHOWN the primitives that no other one covers.
 
     `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
-    its first edge and how many, its `place` among the accepted ones, or -1, and whether it
+    its first edge and how many, its `place` among the accepted ones, or -1, and if it
     `swings`: an axle stands on it.
     `edge`: contact `point` where it begins and the `primitive` there; unit inward normal of the
     `wall` through it and the com; the `twin` or -1; `held`, the part [low, high] of it over which
@@ -104,7 +104,7 @@ class Region(NamedTuple):
     its ends are nearer to the com than `point`, on the line through a pivot.
     `seat`: the accepted facets by ascending bits of touching primitives: `plane` n / h; `axes`,
     with which the in-plane components of D_g - s are (axes . g) / (plane . g); `centroid` s of the
-    support polygon; whether it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
+    support polygon; True if it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
     `cone`: `count` walls from `first` on, rests first, then gaps; and the `seat` that counts there.
     `wall` (w, 3): unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
@@ -200,21 +200,21 @@ def rests_at(region: Region, e: int) -> tuple[int, int]:
 
 @njit(inline=True, bare=True)
 def is_inner(region: Region, e: int) -> bool:
-    """Tell whether an edge lies between two rests of one group."""
+    """Return True if an edge lies between two rests of one group."""
     here, there = rests_at(region, e)
     return bool(there >= 0 and region.seat[here].group == region.seat[there].group)
 
 
 @njit(inline=True, bare=True)
 def is_same_rest(region: Region, here: int, k: int) -> bool:
-    """Tell whether an accepted facet is a rest of the group of rest k."""
+    """Return True if an accepted facet is a rest of the group of rest k."""
     seat = region.seat
     return bool(seat[here].is_rest == 1 and seat[here].group == seat[k].group)
 
 
 @njit(inline=True, bare=True)
 def is_slit(region: Region, e: int) -> bool:
-    """Tell whether an edge and its twin are one line: both contacts stay where they are."""
+    """Return True if an edge and its twin are one line: both contacts stay where they are."""
     a, b = ends_of(region, e)
     d, c = ends_of(region, region.edge[e].twin)
     x, y = subtract(a, c), subtract(b, d)

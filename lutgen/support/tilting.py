@@ -34,10 +34,10 @@ REACH = 3.0
 
 
 class Limits(NamedTuple):
-    """Limits of a search for planes, and whether the contacts move as one.
+    """Limits of a search for planes, and if the contacts move as one.
 
     `highest`: the greatest n_z of a plane that is wanted.  `same`: the length that counts as none.
-    `rigid`: whether all primitives are alike, so that planes see them as points.
+    `rigid`: True if all primitives are alike, so that planes see them as points.
     """
 
     highest: float
@@ -77,9 +77,9 @@ def meets_another(
     ahead: Vector,
     turn: float,
 ) -> bool:
-    """Tell whether a plane on a pair may touch another one before it has turned so far (rad).
+    """Return True if a plane on a pair may touch another one before it has turned so far (rad).
 
-    Arcs over rims bend to the side unless the axles are parallel; that is not told beforehand.
+    Arcs over rims bend to the side unless the axles are parallel; that is not known beforehand.
     """
     i, j = pair
     if j >= 0 and primitives[i, RADIUS] + primitives[j, RADIUS] > 0.0:
@@ -106,7 +106,7 @@ def _first_ahead(
 ) -> tuple[int, float, float]:
     """Return the primitive that a plane about i comes to first if none moves.
 
-    And cosine and sine of the angle.  `mask`: those that it touches already.  -1 if there is none.
+    And cosine and sine of the angle.  `mask`: those that it touches already.  -1 without a contact.
     """
     origin = row(contacts, i)
     first, lever, depth = -1, -1.0, 0.0
@@ -151,7 +151,7 @@ def tilt(
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     contacts : (3, n, 3) float64
-        Of `fill_contacts`: the first ones are those at `normal`, the others are overwritten.
+        By `fill_contacts`: the first ones are those at `normal`, the others are overwritten.
     pair : tuple of int
         The two that carry; of (i, -1) the plane turns about the line on i across `ahead`.
     mask : int

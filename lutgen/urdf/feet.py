@@ -17,10 +17,10 @@ from lutgen.vector import angles
 
 # Directions of a fan, and of a turn in a plane; even, so that opposite ones are among them.
 RINGS, ROUND = 9, 1440
-# Vertices that are asked at once, which bounds the memory.
+# Vertices that are tested at once, which bounds the memory.
 CHUNK = 4_000
 
-# Planes that lean so far (rad) from the wheel's upright touch it like its discs, or it is none.
+# Planes that lean so far (rad) from the wheel's upright touch a wheel like its discs.
 WHEEL_LEAN = tuple(math.radians(angle) for angle in (0.0, -15.0, 15.0, -30.0, 30.0))
 # Shares of the radius: by how much the reach of a wheel may change while it turns (a polygon of
 # 10 sides: 4.9 %), and how far inside the largest radius a rim is still tread: what fits best.
@@ -34,7 +34,7 @@ WIDEST = 3.0
 # joints that turn the link.
 LEAN = math.radians(45.0)
 # Shares of half the lower end's width by which a ball may differ from it: a ball of 12 segments
-# does by 2.4 %, the best ball for a cube by 20 %.  What is neither round nor flat may be less of a
+# does by 2.4 %, the best ball for a cube by 20 %.  A body neither round nor flat may be less of a
 # ball: one contact instead of eight.
 BALL, NEARLY = 0.04, 0.10
 # A sole's plane is this near (rad) to level and its facets this near to its plane.
@@ -49,7 +49,7 @@ LOSS, MOST = 0.01, 8
 def wheel_of(
     points: Floats, origin: Floats, axis: Floats, noun: str = "a wheel"
 ) -> Collision | None:
-    """Return the cylinder whose rims stand for a wheel about an axis, None of a body that is none.
+    """Return the cylinder whose rims stand for a wheel about an axis, None of other bodies.
 
     The radius is the largest of any corner (n, 3); the tread ends at the outermost corners that
     lie within one of `TREADS` of it, whichever makes the rims reach most nearly as the body does.

@@ -33,7 +33,7 @@ class Couple:
 
 @dataclass(frozen=True)
 class Drive:
-    """Value of a joint: scale * parameter + offset, constant where `by`, its joint, is None."""
+    """Value of a joint: scale * parameter + offset, constant if `by`, its joint, is None."""
 
     by: str | None
     scale: float

@@ -1,6 +1,6 @@
 """The meshes of a robot description: found, read once within bounds, and placed in their links.
 
-STL, OBJ and Collada, files alone and nothing that they name.  Of a mesh only its convex hull is
+STL, OBJ and Collada, files alone and nothing that they name.  Only the convex hull of a mesh is
 kept: level ground and any slope touch nothing else.
 """
 
@@ -63,7 +63,7 @@ class Meshes:
         if isinstance(found, InputError):
             raise found
         placed = (found * scale) @ rotation(shape.rpy).T + shape.origin
-        # To a micrometre, so that they have the same order whatever the format's precision is.
+        # To a micrometre, so that they have the same order in every format's precision.
         return np.unique(np.round(placed, DIGITS) + 0.0, axis=0)
 
 

@@ -35,7 +35,7 @@ class Mjcf(NamedTuple):
 
 
 def is_mjcf(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file is XML whose root is <mujoco>."""
+    """Return True if a file is XML whose root is <mujoco>."""
     source = os.fspath(path)
     try:
         return parse_xml(bounds.read(source, bounds.URDF_BYTES), source).tag == "mujoco"

@@ -220,7 +220,7 @@ class _Reader(Elements):
         )
 
     def limits(self, limit: Element, kind: str, where: str) -> tuple[float, float]:
-        """Return the limits of a joint, infinite where there are none.
+        """Return the limits of a joint, or infinite ones.
 
         URDF's own default of a missing `lower` or `upper` is 0; a <limit> with neither sets effort
         and velocity alone.
@@ -239,14 +239,14 @@ class _Reader(Elements):
         return lower, math.inf if upper > LARGEST else upper
 
     def soft(self, element: Element, where: str) -> tuple[float, float] | None:
-        """Return the soft limits of a joint, None where there are none or an empty range."""
+        """Return the soft limits of a joint, or None; an empty range is None."""
         safety = self.only(element, "safety_controller", where)
         lower = self.number(safety, "soft_lower_limit", where, 0.0)
         upper = self.number(safety, "soft_upper_limit", where, 0.0)
         return (lower, upper) if lower < upper else None
 
     def placement(self, element: Element, where: str) -> tuple[Vector, Vector]:
-        """Return xyz and rpy of the <origin> of an element, zero where it has none."""
+        """Return xyz and rpy of the <origin> of an element, or zeros."""
         origin = self.only(element, "origin", where)
         xyz = self.vector(origin, "xyz", where, ZERO)
         if (quat := origin.get("quat_xyzw")) is not None:

@@ -2,7 +2,7 @@
 
 Nothing of ROS has to be installed: its environment variables are used where they are set.
 Expansion evaluates expressions of the file and reads what it includes, so it happens only where
-the caller asks for it.
+the caller requests it.
 """
 
 import os
@@ -39,7 +39,7 @@ class Sources:
         """Return the file of a path, ``file://``, ``package://`` or ``model://``.
 
         As it is written, or with percent signs decoded, or / for each backslash.  InputError is
-        raised where there is none, and names one that differs in case alone.
+        raised if it is missing, and names one that differs in case alone.
         """
         kind, mark, rest = name.partition("://")
         base, inside = self.start, rest if mark else name
@@ -60,7 +60,7 @@ class Sources:
         raise InputError(f"{name}: there is no such file{beside}")
 
     def package(self, name: str) -> Path | None:
-        """Return the folder of a package, None where there is none.
+        """Return the folder of a package, or None.
 
         It is the one that is given, or found by ROS's variables, or from `start` upwards.
         """
@@ -91,7 +91,7 @@ def _entries(variable: str) -> list[Path]:
 
 
 def _is_package(folder: Path, name: str) -> bool:
-    """Return whether a folder has a package.xml of that name; one that is no XML has none."""
+    """Return True if a folder has a package.xml of that name, as XML."""
     file = str(folder / "package.xml")
     try:
         root = parse_xml(bounds.read(file, bounds.URDF_BYTES), file)

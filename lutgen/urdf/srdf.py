@@ -109,7 +109,7 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
 
 
 def srdf_beside(path: str | os.PathLike[str]) -> Path | None:
-    """Return the SRDF file that belongs to a description, None where there is none.
+    """Return the SRDF file that belongs to a description, or None.
 
     Looked for in the description's folder, in ``srdf`` in it and beside it: the one whose name
     without ending begins the description's, the longest of several.
@@ -190,6 +190,6 @@ def _joints(part: Element, above: Mapping[str, UrdfJoint]) -> Iterator[str]:
         while here != base and here in above:
             found.append(above[here].name)
             here = above[here].parent
-        # Both ends belong to one branch, or the chain is none.
+        # Both ends belong to one branch, or it is not a chain.
         if here == base:
             yield from found

@@ -115,7 +115,7 @@ def floats(text: str) -> tuple[float, ...]:
 
 # From how many decimals on a number is one of these parts of a turn, where its digits say so.
 PARTS = ((math.pi / 2.0, 2), (math.pi / 4.0, 3), (math.pi / 12.0, 4))
-# Nearer (rad) it is the part whatever its digits: single precision has no more of them.
+# Nearer (rad) it is the part for any digits: single precision has no more of them.
 SINGLE = 5e-7
 
 

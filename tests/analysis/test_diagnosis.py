@@ -46,11 +46,6 @@ def stool(points, head=""):
     return lutgen.parse_recipe(rigid(feet(points), head=head))
 
 
-def moment(points, shares):
-    """Return where the resultant of the normal forces goes through the plane."""
-    return shares @ points
-
-
 def test_forces_on_three_wheels_equal_the_table_and_are_barycentric_coordinates():
     for pitch, heading, exact, rough, difference in FORCES:
         gravity = np.array(uphill(pitch, heading))
@@ -102,7 +97,7 @@ def test_sets_of_contacts_inside_and_in_lines_balance_and_none_pulls():
             assert load.min() >= 0.0
             # A billionth of the weight.
             assert load.sum() == pytest.approx(1.0, abs=1e-9)
-            assert moment(points, load) == pytest.approx(pierced, abs=1e-9 * size)
+            assert load @ points == pytest.approx(pierced, abs=1e-9 * size)
         # No other load is smaller: towards every corner of the set the norm grows.
         assert (loads @ shares).min() >= shares @ shares - 1e-9
         inside += int(len(loads) > 4)

@@ -225,3 +225,41 @@ def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum():
     expected = 0.25 * abs(1.0 - turn * arm[0, 1]) + 0.39 * abs(1.0 - turn * arm[2, 1])
     found = least_resistance(motion, load, arm, roll)
     assert found == pytest.approx(expected, abs=1e-13)  # what the search leaves open
+
+
+# In MuJoCo, on hinges, wheels stay where the robot holds and go where it rolls.
+
+TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
+
+
+def wheeled(places, rolling, friction):
+    """Return the engine's judge of a robot on wheels half a metre below its com, and lutgen's."""
+    pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
+    from proofs.physics import holding
+
+    robot = holding.standing(places, [i not in rolling for i in range(len(places))], 0.5)
+    recipe = robot.recipe(f"friction = {friction}")
+    return lambda down: holding.moves(robot, down, friction), Posture(recipe, [])
+
+
+@pytest.mark.parametrize(("rolling", "heading"), [((0,), 35.0), ((2,), 215.0), ((0, 1), 0.0)])
+def test_three_wheels_roll_away_from_the_same_tilt_on(rolling, heading):
+    moves, posture = wheeled(TRICYCLE, rolling, 0.8)
+    ahead = math.radians(heading)
+    limit = float(roll_limits(posture, [ahead])[0])
+    assert math.radians(2.0) < limit < math.atan(0.8) - math.radians(1.0)
+    for side in (-0.5, 0.5):
+        down = tilted(limit + math.radians(side), ahead)
+        assert moves(down) is (side > 0.0)
+
+
+@pytest.mark.parametrize("rolling", [(2, 3), (0, 1, 4, 5), (0, 1), (2, 3, 4, 5)])
+def test_six_wheels_stay_where_they_hold_and_go_where_they_roll(rolling):
+    (moves, posture), moved = wheeled(SIX, rolling, 0.7), set()
+    for slope in (0.1, 0.35, 0.5, 0.68):
+        down = tilted(math.atan(slope), 0.0)
+        goes = moves(down)
+        assert not (goes and holds(posture, down[None]).any())
+        assert goes or may_hold(posture, down[None]).all()
+        moved.add(goes)
+    assert moved == {True, False}

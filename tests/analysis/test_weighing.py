@@ -80,15 +80,9 @@ def test_level_scales_leave_the_height_open_and_a_slope_is_advised():
 
 
 def test_scales_under_the_axles_tell_nothing_across():
+    axles = (("fl", "fr"), ("rl", "rr"))
     both = [
-        Weighing(
-            one.params,
-            {
-                ("fl", "fr"): one.loads[("fl",)] + one.loads[("fr",)],
-                ("rl", "rr"): one.loads[("rl",)] + one.loads[("rr",)],
-            },
-            0.01,
-        )
+        replace(one, loads={axle: sum(one.loads[(name,)] for name in axle) for axle in axles})
         for one in weighed(*LEVEL)
     ]
     one = weigh(MODEL, [Weighing((0.0,), {("fl", "fr"): 5000.0}, 0.01)])
@@ -122,12 +116,8 @@ def test_of_noisy_weighings_two_deviations_hold_in_19_of_20():
     exact = weighed(*LEVEL, *SLOPED, accuracy=0.1)
     for _ in range(draws):
         noisy = [
-            Weighing(
-                one.params,
-                {name: load + rng.normal(0.0, 0.1) for name, load in one.loads.items()},
-                0.1,
-                one.slope,
-                one.heading,
+            replace(
+                one, loads={key: load + rng.normal(0.0, 0.1) for key, load in one.loads.items()}
             )
             for one in exact
         ]

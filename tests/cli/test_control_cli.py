@@ -29,7 +29,7 @@ budget, control = partial(commands.data, "budget"), partial(commands.data, "cont
 
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory):
-    """Run the commands of the page, on a coarser lattice of postures; return the folder."""
+    """Run the commands of the page, on a coarser lattice of postures; return its export."""
     folder = tmp_path_factory.mktemp("page")
     with pytest.MonkeyPatch.context() as patch, untried():
         patch.chdir(folder)
@@ -44,31 +44,33 @@ def firmware(tmp_path_factory):
             elif shutil.which("cc"):
                 done = subprocess.run(line, shell=True, capture_output=True, text=True, check=True)
                 assert not done.stderr
-    return folder
+    return folder / "paper_firmware"
+
+
+def ridden(firmware, *more):
+    """Return the report of the paper's path."""
+    return control(firmware, "--turn", 30, *NOMINAL, *more)
 
 
 def test_simulation_3_driven_by_the_exported_c_tips_at_22_points_in_place_of_72(firmware):
-    found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL)
+    found = ridden(firmware)
     assert [run["tips"] for run in found["runs"]] == [72, 22]
-    assert (found["cycles"], found["late_by_cycles"], found["tips_only_with_control"]) == (
-        100,
-        1,
-        0,
-    )
+    told = [found[key] for key in ("cycles", "late_by_cycles", "tips_only_with_control")]
+    assert told == [100, 1, 0]
     page = (MAPS.parent / "docs/guide/control.md").read_text(encoding="utf-8")
     assert "72 of 100 points" in page
     assert "22 with control" in page
 
 
 def test_the_page_writes_figures_and_a_table(firmware):
-    assert (firmware / "ride.svg").read_bytes().startswith(b"<?xml")
-    rows = list(csv.DictReader(io.StringIO((firmware / "budget.csv").read_text())))
+    assert (firmware.parent / "ride.svg").read_bytes().startswith(b"<?xml")
+    rows = list(csv.DictReader(io.StringIO((firmware.parent / "budget.csv").read_text())))
     assert float(rows[0]["braking_m_s2"]) > 16.0
 
 
 @pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason=ROS)
 def test_the_node_compiles_where_ros_is(firmware):
-    folder, ros = firmware / "paper_firmware", Path("/opt/ros") / os.environ["ROS_DISTRO"]
+    folder, ros = firmware, Path("/opt/ros") / os.environ["ROS_DISTRO"]
     includes = [f"-I{path}" for path in sorted((ros / "include").iterdir())]
     flags = ["-std=c++17", "-fsyntax-only", f"-I{folder}", f"-I{ros}/include", *includes]
     node = str(folder / "examples" / "ros2_node.cpp")
@@ -76,25 +78,20 @@ def test_the_node_compiles_where_ros_is(firmware):
 
 
 def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware):
-    folder = firmware / "paper_firmware"
-    ideal = control(folder, "--turn", 30, *NOMINAL)["runs"][1]["tips"]
-    late = control(folder, "--turn", 30, *NOMINAL, "--latency", 15)
+    ideal = ridden(firmware)["runs"][1]["tips"]
+    late = ridden(firmware, "--latency", 15)
     assert late["late_by_cycles"] == 15
     assert late["runs"][1]["tips"] > ideal
-    slow = ("--rate", "alpha=1", "--rate", "gamma=1")
-    assert control(folder, "--turn", 30, *NOMINAL, *slow)["runs"][1]["tips"] > ideal
-    noisy = control(folder, "--turn", 30, *NOMINAL, "--noise", 0.5)
-    assert ideal <= noisy["runs"][1]["tips"] < 30
+    slow = ridden(firmware, "--rate", "alpha=1", "--rate", "gamma=1")
+    assert slow["runs"][1]["tips"] > ideal
+    assert ideal <= ridden(firmware, "--noise", 0.5)["runs"][1]["tips"] < 30
 
 
 def test_at_a_speed_the_path_is_ridden_in_cycles_of_the_policy(firmware):
-    found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL, "--speed", 0.1)
-    assert found["cycles"] == math.floor(found_length() / 0.1) + 1
+    found = ridden(firmware, "--speed", 0.1)
+    length = commands.data("path", RECIPE, "--no-control", code=3)["length"]
+    assert found["cycles"] == math.floor(length / 0.1) + 1
     assert found["runs"][1]["tips"] < found["runs"][0]["tips"]
-
-
-def found_length():
-    return float(commands.run("path", RECIPE, "--no-control").stdout.split("length ")[1].split()[0])
 
 
 def test_a_log_is_ridden_again_with_control(firmware, tmp_path):
@@ -104,7 +101,7 @@ def test_a_log_is_ridden_again_with_control(firmware, tmp_path):
     rows = [[at, *up, 31.0, 31.0] for at, up in enumerate(ups)]
     text = "time,ax,ay,az,alpha,gamma\n" + "".join(",".join(map(str, r)) + "\n" for r in rows)
     log.write_text(text)
-    found = control(firmware / "paper_firmware", "--log", log)
+    found = control(firmware, "--log", log)
     recorded = evaluate_each(
         load_recipe(RECIPE), np.radians([[31.0, 31.0]] * cycles), -ups, ("tip_angle",)
     )
@@ -117,7 +114,7 @@ def test_a_log_is_ridden_again_with_control(firmware, tmp_path):
         (("alpha", "beta"), "no column alpha"),
     ):
         log.write_text(text.replace(*change, 1))
-        refused = commands.run("control", firmware / "paper_firmware", "--log", log)
+        refused = commands.run("control", firmware, "--log", log)
         assert refused.exit_code == 2
         assert said in refused.stderr
 
@@ -165,13 +162,13 @@ def test_stops_are_told_by_heading_for_recipes_that_have_metres(tmp_path):
 
 def test_what_means_nothing_is_refused(firmware):
     for option, value in (("--noise", "-1"), ("--speed", "0"), ("--rate", "alpha=0")):
-        result = commands.run("control", firmware / "paper_firmware", option, value)
+        result = commands.run("control", firmware, option, value)
         assert (result.exit_code, option in result.stderr) == (2, True)
 
 
 def test_an_export_with_a_damaged_policy_is_refused(firmware, tmp_path):
     folder = tmp_path / "damaged"
-    shutil.copytree(firmware / "paper_firmware", folder)
+    shutil.copytree(firmware, folder)
     path = folder / "paper_two_report.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"policy": {"blob": "AAAA"}}))
     result = commands.run("control", folder)

@@ -66,32 +66,31 @@ def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
         program, *arguments = line.split()
         return stdout(*arguments) if program == "lutgen" else run(tmp_path, "sh", "-c", line)
 
-    recipe, coded = blocks("docs/guide/firmware.md", "toml")
-    Path("stork.toml").write_text(recipe)
-    Path("slider.toml").write_text(coded)
+    Path("slider.toml").write_text(*blocks("docs/guide/firmware.md", "toml"))
     Path("slider.py").write_text(*blocks("docs/guide/firmware.md", "python"))
     printed = [
         printed_by(line)
         for block in blocks("docs/guide/firmware.md", "sh")
         for line in block.splitlines()
     ]
-    check, exact, export, asked, _, reading, _, by_code = printed
-    assert check.startswith("stork: 3 contacts")
+    export, exact, compiled, _, reading, _, by_code = printed
     heights = [
         float(re.search(r"^height +([\d.]+)", text, re.MULTILINE)[1])
-        for text in (exact, asked, reading)
+        for text in (exact, compiled, reading)
     ]
-    # All three answer for the same posture; 0.5 % was asked for.
+    # All three answer for the same posture; 0.5 % was demanded.
     assert max(heights) - min(heights) < 0.005 * heights[0]
+    (shown,) = blocks("docs/guide/firmware.md", "text")
+    assert export.splitlines()[:2] == shown.splitlines()[:2]
     assert "0 points said to stand that tip" in export
     assert "0 points said to stand that tip" in by_code
     assert "contacts 1e-05" in by_code
-    folders = ("stork_firmware", "stork_firmware", "stork_integer")
+    folders = ("paper_firmware", "paper_firmware", "paper_integer")
     codes = blocks("docs/guide/firmware.md", "c")
     for folder, code in zip(folders, codes, strict=True):
         Path("use.c").write_text(code)
         flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{folder}", "-fPIC", "-shared"]
-        compile_c([*flags, "use.c", f"{folder}/stork.c", "-o", "use.so"], tmp_path)
+        compile_c([*flags, "use.c", f"{folder}/paper_two.c", "-o", "use.so"], tmp_path)
 
 
 def test_the_format_document_lists_every_attribute_of_a_map(clone):

@@ -55,17 +55,17 @@ PAGES |= {
     page.names[0]: page._replace(names=(f"docs/guide/{page.names[0]}.md",))
     for page in (
         Page(("commands",), made=("mine.toml",)),
-        Page(("limits",), made=("limits.png", "feet.png")),
-        Page(("load",), ("tractor.toml",)),
+        Page(("limits",), made=("limits.png", "feet.png"), whole=False),
+        Page(("load",), ("tractor.toml",), whole=False),
         Page(("metrics",), ("trolley.toml",), made=("limits.png",), whole=False),
         Page(("path",), ("hill.csv",), (3, 3), ("drive.csv", "drive.png", "hill.gif")),
-        Page(("recipe",), ("schema",), made=("recipe.schema.json",)),
+        Page(("recipe",), ("schema",), made=("recipe.schema.json",), whole=False),
         Page(("search",)),
         Page(("stance",), ("stair.toml", "ditch.toml"), (0, 3), ("stair.png",)),
         Page(("trust",)),
-        Page(("urdf",), ("named.toml",)),
+        Page(("urdf",), ("named.toml",), whole=False),
         Page(("weigh",), ("scales.csv",), made=("weighed.toml",), whole=False),
-        Page(("wheels",), codes=(0, 0, 1)),
+        Page(("wheels",), codes=(0, 0, 1), whole=False),
     )
 }
 

@@ -186,7 +186,7 @@ def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(whe
     assert Goal(None, 30.0).holds(found)
     with pytest.raises(ExportError, match=r"not that accurate \(got p99 .* codec contacts"):
         best_grid(wheels("sdg", "tip_angle"), 6_000, 0.1)
-    with pytest.raises(ExportError, match="ask for a size of flash alone"):
+    with pytest.raises(ExportError, match="give a size of flash alone"):
         best_grid(wheels("tip_angle"), None, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""Solids are painted in the order in which they are seen, and look like the robot."""
+"""Solids are painted in the order in which they are seen, and every robot has its pictures."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from lutgen.plot.painter import Camera, box, from_the_back
 from lutgen.plot.solids import solids_of
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, rigid
+from tools import gallery
 
 UP = np.eye(3)
 
@@ -88,3 +89,15 @@ def test_every_robot_of_the_gallery_has_solids_at_its_contacts(name):
         away = np.linalg.norm(points - place, axis=1).min()
         assert away < 1.01 * radius + 0.05 * np.ptp(points)
     assert all(np.isfinite(solid.normals).all() for solid in solids)
+
+
+def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page():
+    page = (MAPS / "README.md").read_text(encoding="utf-8")
+    for path in sorted(MAPS.glob("*.toml")):
+        assert path.stem in gallery.SHOTS
+        assert f"## {path.stem}\n" in page
+        assert f"<!-- gallery {path.stem} -->" in page
+        for shot in gallery.SHOTS[path.stem]:
+            picture = MAPS / path.stem / f"{shot.name}.png"
+            assert picture.stat().st_size < 265_000
+            assert f'src="{path.stem}/{shot.name}.png"' in page

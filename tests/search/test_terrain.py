@@ -37,16 +37,12 @@ def test_the_papers_path_has_its_equations_and_no_gap_at_zero():
     np.testing.assert_allclose(path.gravity[2, 0] / path.gravity[2, 2], 15.0)
 
 
-@pytest.mark.parametrize("attitude", ["pitch", "surface"])
-def test_the_papers_slopes_are_those_of_its_own_points(attitude):
+def test_the_papers_slopes_are_those_of_its_own_points():
     # A spacing of 1.2e-4: central differences err by less than 1e-6.
-    path = paper_path(100_001, attitude, (-2.0, 10.0))
-    if attitude == "pitch":
-        climb = np.gradient(path.position[:, 2], path.position[:, 0])
-        expected = np.column_stack([-climb, np.zeros_like(climb), -np.ones_like(climb)])
-        expected /= np.linalg.norm(expected, axis=1)[:, None]
-    else:
-        expected = along(path.position, np.zeros(len(path.position))).gravity
+    path = paper_path(100_001, (-2.0, 10.0))
+    climb = np.gradient(path.position[:, 2], path.position[:, 0])
+    expected = np.column_stack([-climb, np.zeros_like(climb), -np.ones_like(climb)])
+    expected /= np.linalg.norm(expected, axis=1)[:, None]
     np.testing.assert_allclose(path.gravity[1:-1], expected[1:-1], atol=1e-6)
     assert (path.heading == 0.0).all()
 

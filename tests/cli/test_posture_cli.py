@@ -1,16 +1,65 @@
-"""`lutgen wheels` and `lutgen stance`: what they print, in which units, and their exit codes."""
+"""`lutgen limits`, `wheels` and `stance`: what they print, in which units, and their exit codes."""
 
 import math
 import re
+from decimal import Decimal
 
 import pytest
 
 import lutgen
-from lutgen.analysis import Posture, wheel_speeds
+from lutgen.analysis import Posture, posture_limits, wheel_speeds
+from tests.analysis import test_rolling
 from tests.cli.test_refusals_cli import DITCH
-from tests.fixtures.commands import data, good, run
+from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid
+from tests.fixtures.recipes import feet, rigid, tripod
+
+
+def test_what_tips_on_level_ground_is_said_in_words(tmp_path):
+    path = tmp_path / "aside.toml"
+    path.write_text(rigid(feet([(1, 1, -1), (0.5, 1, -1), (0.5, -1, -1), (1, -1, -1)])))
+    result = run("limits", path, "--all")
+    text = result.stdout
+    assert result.exit_code == 3
+    assert "it tips over on level ground" in text
+    assert "over 1 postures" in text
+    assert "1 tip over on level ground" in text
+    report = data("limits", path, code=3)
+    assert report["limits"][-1]["heading_deg"] is None
+    assert report["guaranteed_tilt_deg"] == 0.0
+    assert report["limits"][0]["slides_first"] is None
+
+
+def test_every_limit_is_printed_rounded_down(tripod_path):
+    text, report = stdout("limits", tripod_path), data("limits", tripod_path)
+    for name in ("body", "ground"):
+        (said,) = re.findall(rf"guaranteed {name} tilt in every heading: ([\d.]+) deg", text)
+        assert 0.0 <= report[f"guaranteed_{name}_tilt_deg"] - float(said) < 0.01
+    for row in report["limits"][:4]:
+        (line,) = (line for line in text.splitlines() if line.startswith(row["name"]))
+        said = [float(number) for number in re.findall(r"([\d.]+) deg", line)]
+        for value, key in zip(said, ("tilt_deg", "ground_tilt_deg"), strict=True):
+            assert 0.0 <= row[key] - value < 0.01
+    # JSON, too, has nothing above the library's own numbers.
+    posture = posture_limits(Posture(lutgen.parse_recipe(tripod()), [0.3, math.radians(5.0)]))
+    for key, value in (
+        ("guaranteed_tilt_deg", posture.guaranteed),
+        ("guaranteed_body_tilt_deg", posture.guaranteed),
+        ("guaranteed_ground_tilt_deg", posture.guaranteed_ground),
+        ("guaranteed_ground_tip_deg", posture.ground.guaranteed),
+        ("worst_ground_tilt_deg", posture.ground.least),
+    ):
+        # Rounded down at the tenth decimal.
+        assert 0.0 <= Decimal(math.degrees(value)) - Decimal(report[key]) < Decimal("1.01e-10")
+
+
+def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path):
+    path = tmp_path / "cart.toml"
+    path.write_text(test_rolling.cart(test_rolling.FRONT, 0.5))
+    assert data("limits", path)["ground_rolling_included"] is False
+    assert "26.56 deg (sliding included, rolling not; tipping over alone" in stdout("limits", path)
+    assert data("limits", MAPS / "articulated.toml")["ground_rolling_included"] is None
+
 
 CART = feet([(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2), (0.0, 0.0, -0.1)])
 AXLE = "axis = [0, 1, 0]\nradius = 0.1\n"
