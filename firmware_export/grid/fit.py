@@ -27,9 +27,9 @@ from firmware_export.grid.train import (
     Points,
 )
 from firmware_export.model import Model, Sample, biased, on_chart, uniform_directions, unit
+from lutgen.arrays import Floats, Singles
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
-from lutgen.vector import Floats, Singles
 
 # Points of the sample; directions of a posture, postures that share them.
 POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
