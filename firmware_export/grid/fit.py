@@ -37,9 +37,8 @@ POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
 # rate in codes.
 STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
-# brought below STANDS, those of the sample and fresh ones; by how many a fresh point that stands is
-# too high if it is lowered, too: 1 deg.
-AGAIN, BELOW, FURTHER, FAR = 2, 1.5, 3.0, 5.0
+# brought below STANDS, those of the sample and fresh ones.
+AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
 # Directions drawn for a posture; those used, which only just stand; points in a round.
 POOL, ASKED, ROUND = 300, 30, 1_500_000
 # Points around one that was falsely safe: postures, directions of each; how near they are at most
@@ -182,9 +181,8 @@ def _lower(
     tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
     said = train.read(values, at, lattice).reshape(tip.shape)
     row, column = np.nonzero((tip < 0.0) & (said >= STANDS))
-    aim = aims(tip).ravel()
-    wrong = (aim < STANDS) | (said.ravel() > aim + FAR)
-    points = Points(at.x[wrong], at.block[wrong], aim[wrong])
+    tips = tip.ravel() < 0.0
+    points = Points(at.x[tips], at.block[tips], aims(tip[tip < 0.0]))
     train.lower(values, points, lattice, True, FURTHER)
     return params[row], gravity[row, column]
 

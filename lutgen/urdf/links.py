@@ -42,11 +42,12 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
     A joint held away from zero is part of its link's placement; `parameters` names free joints'.
+    For figures a link has the sides of its largest box.
     """
     require_mass(robot)
     described = {link.name: link for link in robot.links}
     top = described[robot.root]
-    result = [Link(top.name, mass=top.mass, com=top.com)]
+    result = [Link(top.name, mass=top.mass, com=top.com, shape=_sides(top))]
     for joint in downwards(robot):
         drive = motion.drive(joint.name)
         moving = None
@@ -58,8 +59,22 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
             turn, where = _moved(joint, drive.offset)
             origin, rpy = as_vector(where), angles(turn)
         link = described[joint.child]
-        result.append(Link(link.name, joint.parent, origin, rpy, moving, link.mass, link.com))
+        mass, com, sides = link.mass, link.com, _sides(link)
+        result.append(Link(link.name, joint.parent, origin, rpy, moving, mass, com, sides))
     return tuple(result)
+
+
+def _sides(link: UrdfLink) -> Vector | None:
+    """Return the sides of a link's only shape, a box about its com (a quarter off), along its axes.
+
+    None for any other link: a picture of it would be misleading.
+    """
+    if len(link.collisions) != 1 or link.collisions[0].kind != "box" or not link.mass:
+        return None
+    (box,) = link.collisions
+    sides = np.abs(rotation(box.rpy)) @ box.size
+    off = np.abs(np.subtract(link.com, box.origin))
+    return as_vector(sides) if (off <= 0.25 * sides).all() else None
 
 
 def places(

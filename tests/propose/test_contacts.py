@@ -13,7 +13,7 @@ from lutgen.propose.contacts import effects, inner_contacts, named_contacts, pro
 from lutgen.recipe import Recipe
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import read_motion
-from lutgen.urdf.links import link_contacts, places
+from lutgen.urdf.links import link_contacts, links_of, places
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.recipes import contact, rigid
 from tests.fixtures.robots import collision, joint, link, robot
@@ -48,6 +48,24 @@ def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
     assert corners == {(1.0 + x, y, z) for x in (-2, 2) for y in (-1, 1) for z in (-3, 3)}
     assert {part.kind for part in shaped(box)} == {"point"}
     assert [part.kind for part in shaped(box, collision('sphere radius="1"'))] == ["sphere"]
+
+
+@pytest.mark.parametrize(
+    ("com", "extra", "sides"),
+    [
+        ("0.9 2 3", "", (4.0, 2.0, 6.0)),
+        # Drawn about its com it would be elsewhere; and a wheel is no box.
+        ("0.9 2.6 3", "", None),
+        ("0.9 2 3", collision('sphere radius="1"'), None),
+    ],
+)
+def test_a_link_that_is_a_box_about_its_com_has_its_sides_for_figures(
+    com: str, extra: str, sides: tuple[float, ...] | None
+) -> None:
+    box = collision('box size="2 4 6"', "1 2 3", f"0 0 {math.pi / 2.0!r}")
+    described = parse_urdf(robot(link("a", 1.0, com, inside=box + extra)))
+    (found,) = links_of(described, read_motion(described, None), {})
+    assert found.shape == (None if sides is None else pytest.approx(sides))
 
 
 def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries() -> None:
