@@ -1,8 +1,8 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
-A codec lists its sizes, the smallest first; the smallest is tried, and the others by halves.  What
-is tried is measured on a sample that neither the fits nor the certificate use, so that choosing the
-best of many does not flatter the certificate.
+A codec lists its sizes, the smallest first; the smallest is tried, and the others by halves.  Sizes
+are measured on a sample that neither the fits nor the certificate use, so that choosing the best of
+many does not flatter the certificate.
 """
 
 import math
@@ -165,8 +165,8 @@ def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
     """Return the best candidate of some codecs; ExportError says what comes nearest to the goal.
 
     With a percentage in the goal the smallest that is accurate enough; without it the most accurate
-    that fits.  Of each kind one that reports at most MOST_FALSE_TIP of what is stable as unsafe
-    goes before others.
+    that fits.  Candidates that report at most MOST_FALSE_TIP of what is stable as unsafe
+    go before others.
     """
     good: list[Candidate] = []
     for codec in codecs:

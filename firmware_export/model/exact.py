@@ -15,7 +15,7 @@ from lutgen.parts import Parameter
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.vector import Floats
 
-# Slack of a sensor beyond the ends of an axis: rad, and parts of an axis of lengths.
+# Tolerance of a sensor beyond the ends of an axis: rad, and parts of an axis of lengths.
 SENSOR_TOLERANCE, TOLERANCE_SHARE = math.radians(0.5), 0.005
 
 

@@ -105,7 +105,7 @@ class _Rolling:
 
 
 def _find_ground(posture: Posture, gravity_dir: ArrayLike) -> tuple[Facet, Floats, bool]:
-    """Find the facet on the ground, the axes x and y (2, 3) in it, and whether the robot stands."""
+    """Find the facet on the ground, the axes x and y (2, 3) in it, and if the robot stands."""
     source = posture.recipe.source
     if not posture.recipe.wheels:
         way_out = "add one for each contact that is a wheel: contact, axis, radius"

@@ -36,8 +36,8 @@ class Options(RecipeOptions):
 def eval_(source: str, options: Options) -> None:
     """Evaluate one point of SOURCE, a recipe, a map or an export.
 
-    A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.  Exit code 3 if the robot tips over, or if the answer is unknown.
+    A recipe is evaluated exactly, a map by interpolation; for a folder of `lutgen export`
+    the C runtime answers.  Exit code 3 if the robot tips over, or if the answer is unknown.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31

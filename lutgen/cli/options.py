@@ -194,7 +194,7 @@ def convention(
 
 @dataclass(frozen=True)
 class NoOptions:
-    """Of a command that has none of its own."""
+    """The options of a command without its own."""
 
 
 @dataclass(frozen=True)

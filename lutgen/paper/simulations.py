@@ -41,7 +41,7 @@ RUNS: dict[str, dict[str, Any]] = {
 
 
 class Results(NamedTuple):
-    """What the simulations find.
+    """Results of the simulations.
 
     `first` are the optima of simulation 1 by convention, `second` those of simulation 2 by
     convention and method, and `third` the runs of simulation 3 by their names in `RUNS`.  `table`

@@ -66,7 +66,7 @@ def chosen_motion(
     for couple in couples:
         for name in couple.joints:
             if name in taken:
-                what = f"joint {name!r} is asked for twice"
+                what = f"joint {name!r} is given twice"
                 reject("--couple", what, f"it in {couple.name!r} too", "remove it once", InputError)
         taken.update(couple.joints)
     proposed: list[Couple] = []
