@@ -110,5 +110,5 @@ def _require_inside(name: str, file: h5py.File, channel: str, recipe: Recipe) ->
         and np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind")
         and found.id.get_storage_size()
     ):
-        what = "is not in the file as its recipe says"
-        reject(f"{name}: channel {channel}", what, found, "sweep it again", MapFileError)
+        what, got = f"channel {channel} is not in the file as its recipe says", found or "nothing"
+        reject(name, what, got, "sweep it again", MapFileError)
