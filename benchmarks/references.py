@@ -12,9 +12,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats, Ints, Singles
 from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, Acceptance, empty_region, rests_at, stand
-from lutgen.vector import Floats, Ints, Singles
 
 COMMAND = ("cc", "-O3", "-march=native", "-shared", "-fPIC")
 PARTS = 16

@@ -3,13 +3,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from lutgen.arrays import Bools, Floats
 
 
 def halve(
-    happens: Callable[[Floats], NDArray[np.bool_]], before: Floats, after: Floats, times: int
+    happens: Callable[[Floats], Bools], before: Floats, after: Floats, times: int
 ) -> tuple[Floats, Floats]:
     """Return brackets (n,) that are 2^times narrower.
 

@@ -14,6 +14,7 @@ import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -268,12 +269,10 @@ def in_threads(
         kernel(0, pieces, *arguments)
         return
     parts = min(threads * PARTS_PER_THREAD, pieces)
-    bounds = [part * pieces // parts for part in range(parts + 1)]
-    # The kernel is compiled here if need be: Ctrl-C does not reach other threads.
-    first = 0 if getattr(kernel, "signatures", True) else 1
-    for at in range(first):
-        kernel(*bounds[at : at + 2], *arguments)
-    spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
+    spans = [*pairwise(part * pieces // parts for part in range(parts + 1))]
+    if not getattr(kernel, "signatures", True):
+        # It is compiled here: Ctrl-C does not reach other threads.
+        kernel(*spans.pop(0), *arguments)
     pool = ThreadPoolExecutor(threads)
     try:
         # All are waited for, and the first error is raised.

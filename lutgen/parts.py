@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
+from lutgen.arrays import Vector
 from lutgen.errors import InputError
-
-Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 # Share of a parameter's limits by which a value may be beyond them.
@@ -57,8 +56,8 @@ class Parameter:
     def require(self, values: Any, where: str, low: float, high: float) -> None:
         """Refuse values (m,) below `low` or above `high`, limits (rad or length) of `where`."""
         # Angles in deg round when they become rad.
-        slack = ROUNDING * max(high - low, abs(low), abs(high))
-        inside = (low - slack <= values) & (values <= high + slack)
+        rounding = ROUNDING * max(high - low, abs(low), abs(high))
+        inside = (low - rounding <= values) & (values <= high + rounding)
         if not inside.all():
             row = int(inside.argmin())
             got = f"{self.shown(values[row]):.6g}"

@@ -150,8 +150,8 @@ EXPORTABLE = tuple(
 
 def wanted(names: Iterable[str]) -> tuple[bool, ...]:
     """Return for each of `CHANNELS` if it is among the names; refuse an unknown name."""
-    asked = tuple(names)
-    for name in asked:
+    chosen = tuple(names)
+    for name in chosen:
         if name not in QUANTITIES:
             raise InputError(f"unknown channel {name!r}; choose from {', '.join(CHANNELS)}")
-    return tuple(name in asked for name in CHANNELS)
+    return tuple(name in chosen for name in CHANNELS)

@@ -8,14 +8,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
-
-Vector = tuple[float, float, float]
-# The arrays that kernels hand to each other.
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @njit(inline=True)

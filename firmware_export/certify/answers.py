@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from firmware_export.host import FULL_SCALE, STANDS, Host, in_units
 from firmware_export.model import Exact, Model, Sample
 from firmware_export.protocol import Export, describe
+from lutgen.arrays import Bools, Floats
 from lutgen.errors import ExportError
-from lutgen.vector import Bools, Floats
 
 # Part of the largest value by which a channel that never changes does so in double precision.
 ROUNDED = 1e-9

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from firmware_export.model import Model, sensor_tolerance, uniform_directions
 from firmware_export.protocol import turns
-from lutgen.vector import Floats, Singles
+from lutgen.arrays import Floats, Singles
 
 # The last place of an axis, and where u or v is 0.
 WHOLE, MIDDLE = 65535.0, 32768.0

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Ints, Singles
 from lutgen.jit import njit
-from lutgen.vector import Ints, Singles
 
 # The sine of a tip angle of 0 and of 30 deg as codes; codes of a sine of 1; the largest code.
 STANDS, MOST, SCALE, LARGEST = 100.0, 250.0, 300.0, 255.0

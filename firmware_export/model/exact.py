@@ -9,10 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import measure_recipe, wanted_channels
+from lutgen.channels import measure_recipe
 from lutgen.chart import unit_directions
 from lutgen.parts import Parameter
-from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.vector import Floats
 
@@ -84,16 +83,14 @@ class Model:
 
     def tip_angle(self, where: Postures, gravity: ArrayLike) -> Floats:
         """Return the tip angles (m, d), rad, of m postures under directions (m, d, 3), down."""
-        wanted = wanted_channels(("tip_angle",))
-        rows = measure_recipe(self.recipe, where, unit_directions(gravity), wanted)
-        return rows[CHANNELS.index("tip_angle")]
+        names = ("tip_angle",)
+        return measure_recipe(self.recipe, where, unit_directions(gravity), names)["tip_angle"]
 
     def exact(self, params: ArrayLike, gravity: ArrayLike) -> Exact:
         """Measure m postures (m, k), rad or length, under d directions each (m, d, 3), down."""
         names = ("sdg", "height", "tip_angle")
         where, directions = self.postures(params), unit_directions(gravity)
-        values = measure_recipe(self.recipe, where, directions, wanted_channels(names))
-        return Exact(*(values[CHANNELS.index(name)] for name in names))
+        return Exact(**measure_recipe(self.recipe, where, directions, names))
 
 
 def sensor_tolerance(parameter: Parameter) -> float:

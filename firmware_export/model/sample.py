@@ -15,7 +15,7 @@ import numpy as np
 
 from firmware_export.model.crossing import cross_boundary, unit
 from firmware_export.model.exact import Model
-from lutgen.vector import Bools, Floats
+from lutgen.arrays import Bools, Floats
 
 # A direction of the rim comes back from its unit vector within a few 1e-16.
 ROUNDING = 1e-12

@@ -74,7 +74,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     """Explain one posture under one gravity direction (3,): down, body frame, any length > 0."""
     recipe, wrench = posture.recipe, posture.wrench
     down = kernels.checked_directions(gravity_dir)
-    values = kernels.measure_moved(recipe, posture.placed, down, CHANNELS)
+    values = kernels.measure_recipe(recipe, posture.placed, down[None], CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
     stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))

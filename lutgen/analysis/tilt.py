@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Posture
+from lutgen.arrays import Floats, Ints
 from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats, Ints
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
 SHORTEST_STEP = math.radians(0.005)

@@ -17,9 +17,9 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
+from lutgen.arrays import Floats, Ints
 from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats, Ints
 
 FOUR = {
     "nose down": 0.0,

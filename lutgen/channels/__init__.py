@@ -1,25 +1,26 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `angles`, `energy`, `exact`, `axes`, `shares`, `loads`, `wrench`, `evaluation`,
-`rows`, `scan`, `resting`.
+In reading order: `exact`, `axes`, `shares`, `loads`, `wrench`, `evaluation`, `rows`, `scan`,
+`resting`.
 """
 
-from lutgen.channels.angles import JUST_OUTSIDE, arc_angle
 from lutgen.channels.axes import MU, PHI, RHO, empty_axes, find_axes, part
-from lutgen.channels.energy import axis_energy, segment_energy
 from lutgen.channels.evaluation import (
     evaluate,
     evaluate_each,
     for_each_posture,
-    measure_moved,
     measure_recipe,
     stability,
 )
 from lutgen.channels.exact import (
+    JUST_OUTSIDE,
     Setting,
+    arc_angle,
+    axis_energy,
     axis_margin,
     checked_directions,
     measure,
+    segment_energy,
     wanted_channels,
 )
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded

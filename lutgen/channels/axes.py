@@ -18,20 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support import ARCS, EDGES, Region, ends_of, record, rests_at
-from lutgen.vector import (
-    Floats,
-    Vector,
-    along,
-    dot,
-    length,
-    read3,
-    scale,
-    subtract,
-    unit,
-    write3,
-)
+from lutgen.vector import along, dot, length, read3, scale, subtract, unit, write3
 
 # First columns of a wrench: phi, mu, rho.
 PHI, MU, RHO = 0, 3, 6

@@ -8,8 +8,16 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.arrays import Floats, Ints
 from lutgen.channels.axes import MU, PHI, empty_axes, find_axes, part
-from lutgen.channels.exact import SHARE, Setting, checked_directions, measure, wanted_channels
+from lutgen.channels.exact import (
+    NO_GROUPS,
+    SHARE,
+    Setting,
+    checked_directions,
+    measure,
+    wanted_channels,
+)
 from lutgen.channels.loads import measure_loaded, share_of
 from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
 from lutgen.chart import unit_directions
@@ -19,14 +27,13 @@ from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
-from lutgen.vector import Floats, add, row
+from lutgen.vector import add, row
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024
 # A thread is worth its waking for this many postures, half a millisecond of work for a few
 # contacts; finding the facets of one takes as long as measuring this many directions.
 POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
-Rows = dict[int, NDArray[np.float64]]
 
 
 @njit()
@@ -78,23 +85,30 @@ def measure_some(
 
 
 def measure_postures(
-    primitives: Floats, wrench: Floats | None, gravity_dir: Floats, setting: Setting
-) -> Rows:
-    """Measure m postures under d directions.
+    primitives: Floats,
+    gravity_dir: Floats,
+    channels: Sequence[str],
+    limits: Acceptance,
+    wrench: Floats | None = None,
+    groups: Ints = NO_GROUPS,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the channels (m, d) of m postures under d directions.
 
-    `primitives` (m, n, 8) are rows of `primitive.pack`, `wrench` (m, 7) those of `wrench.wrenches`,
-    or None for the weight alone, which is faster; the unit directions (m, d, 3) or (1, d, 3) point
-    down.  The answer holds (m, d) for the index of each wanted channel.
+    `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m, 7) those
+    of `wrench.wrenches`, or None for the weight alone, which is faster; the unit directions
+    (m, d, 3) or (1, d, 3) point down; `limits` are of `support.acceptance`, and `groups` (n,) those
+    of `shares.least_share`.
     """
-    names = [c for c, wanted in enumerate(setting.wanted.tolist()) if wanted]
+    setting = Setting(limits, wanted_channels(channels), groups)
     # No row that is not wanted: memory that is touched first takes longer than what fills it.
-    out = np.empty((len(names), len(primitives), gravity_dir.shape[1]))
+    out = np.empty((setting.wanted.sum(), len(primitives), gravity_dir.shape[1]))
     stretches = -(-gravity_dir.shape[1] // STRETCH)
     work = 1 + min(gravity_dir.shape[1], STRETCH) // DIRECTIONS_A_POSTURE
     arguments = (primitives, wrench, np.ascontiguousarray(gravity_dir), setting, out)
     least = max(POSTURES_A_THREAD // work, 1)
     in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)
-    return dict(zip(names, out, strict=True))
+    found = dict(zip(np.array(CHANNELS)[setting.wanted].tolist(), out, strict=True))
+    return {name: found[name] for name in channels}
 
 
 def for_each_posture(
@@ -107,35 +121,17 @@ def for_each_posture(
 
 
 def measure_recipe(
-    recipe: Recipe,
-    postures: Postures,
-    gravity_dir: NDArray[np.float64],
-    wanted: NDArray[np.bool_],
-) -> Rows:
-    """Measure postures of a recipe; see `measure_postures`."""
+    recipe: Recipe, postures: Postures, gravity_dir: Floats, channels: Sequence[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Measure postures that `kinematics.forward` has placed; directions as `measure_postures`."""
     return measure_postures(
         primitives_of(recipe, postures),
-        wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
-        Setting(acceptance_of(recipe), wanted, groups_of(recipe)),
+        channels,
+        acceptance_of(recipe),
+        wrenches(recipe, postures) if recipe.loaded else None,
+        groups_of(recipe),
     )
-
-
-def measure_primitives(
-    primitives: Floats,
-    gravity_dir: ArrayLike,
-    channels: Sequence[str],
-    limits: Acceptance,
-) -> dict[str, NDArray[np.float64]]:
-    """Return the channels of m postures of any primitives; parameters and result as `stability`.
-
-    `primitives` (m, n, 8) float64 are rows of `primitive.pack`, relative to the com; `limits` are
-    of `support.acceptance`.
-    """
-    directions = checked_directions(gravity_dir)[None]
-    setting = Setting(limits, wanted_channels(channels))
-    values = measure_postures(primitives, None, directions, setting)
-    return {name: values[CHANNELS.index(name)] for name in channels}
 
 
 def stability(
@@ -208,7 +204,7 @@ def stability(
     primitives = pack(points, np.zeros_like(points), 0.0, 0)
     tolerance = -TOLERANCE if contact_tolerance is None else contact_tolerance
     limits = acceptance(upright, rock_angle, 0.0, rest_width, tolerance)
-    return measure_primitives(primitives, gravity_dir, channels, limits)
+    return measure_postures(primitives, checked_directions(gravity_dir)[None], channels, limits)
 
 
 def evaluate(
@@ -243,17 +239,7 @@ def evaluate(
         For wrong shapes, numbers that are not finite or beyond their limits, and unknown channels.
     """
     placed = forward(recipe, within_limits(recipe, params))
-    return measure_moved(recipe, placed, gravity_dir, channels)
-
-
-def measure_moved(
-    recipe: Recipe, postures: Postures, gravity_dir: ArrayLike, channels: Sequence[str]
-) -> dict[str, NDArray[np.float64]]:
-    """Return the channels of postures that `kinematics.forward` has placed; see `evaluate`."""
-    wanted = wanted_channels(channels)
-    directions = checked_directions(gravity_dir)[None]
-    values = measure_recipe(recipe, postures, directions, wanted)
-    return {name: values[CHANNELS.index(name)] for name in channels}
+    return measure_recipe(recipe, placed, checked_directions(gravity_dir)[None], channels)
 
 
 def evaluate_each(
@@ -293,7 +279,6 @@ def evaluate_each(
     >>> found["sdg"].round(3), np.degrees(found["tip_angle"]).round(1)
     (array([0.156,   nan]), array([39.8, -5.2]))
     """
-    wanted = wanted_channels(channels)
     where = forward(recipe, params)
     directions = np.asarray(gravity_dir, dtype=np.float64)
     each = directions[:, None] if directions.ndim == 2 else directions
@@ -302,6 +287,5 @@ def evaluate_each(
             f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
             f"(got the shape {directions.shape})"
         )
-    values = measure_recipe(recipe, where, unit_directions(each), wanted)
-    found = {name: values[CHANNELS.index(name)] for name in channels}
+    found = measure_recipe(recipe, where, unit_directions(each), channels)
     return found if directions.ndim == 3 else {name: row[:, 0] for name, row in found.items()}

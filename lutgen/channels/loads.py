@@ -10,38 +10,25 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.angles import JUST_OUTSIDE, arc_angle, arcsine
+from lutgen.arrays import Bools, Floats, Ints, Vector
 from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
-from lutgen.channels.exact import FACET, HEIGHT, MARGIN, SDG, STATUS, TIP, axis_margin
+from lutgen.channels.exact import (
+    FACET,
+    HEIGHT,
+    JUST_OUTSIDE,
+    MARGIN,
+    SDG,
+    STATUS,
+    TIP,
+    arc_angle,
+    arcsine,
+    axis_margin,
+)
 from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import (
-    ACCEPTED,
-    ARCS,
-    CONVEX,
-    ROCKS,
-    STANDS,
-    TIPS,
-    Region,
-    cone_of,
-    seat_under,
-)
-from lutgen.vector import (
-    Bools,
-    Floats,
-    Ints,
-    Vector,
-    add,
-    along,
-    cross,
-    dot,
-    length,
-    read3,
-    scale,
-    subtract,
-    unit,
-)
+from lutgen.support import ACCEPTED, ARCS, CONVEX, ROCKS, STANDS, TIPS, Region, cone_of, seat_under
+from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit
 
 
 @njit(bare=True)

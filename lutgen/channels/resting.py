@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.arrays import Floats, Vector
 from lutgen.channels.axes import PHI, Axes, empty_axes, find_axes, lowest_lever, part
 from lutgen.channels.evaluation import for_each_posture
 from lutgen.channels.wrench import acceptance_of
@@ -23,7 +24,7 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.recipe import Recipe, forward
 from lutgen.support import ACCEPTED, Acceptance, Region, empty_region, stand
-from lutgen.vector import Floats, Vector, add, read3, row, scale, write3
+from lutgen.vector import add, read3, row, scale, write3
 
 CONVENTIONS = ("body", "plane")
 

@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
-from lutgen.channels.exact import FACET, HEIGHT, SDG, STATUS, TIP
+from lutgen.arrays import Bools, Floats, Singles, Vector
+from lutgen.channels.exact import FACET, HEIGHT, JUST_OUTSIDE, SDG, STATUS, TIP, tip_angle
 from lutgen.chart import Chart
 from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, CONES, CONVEX, ON_AXIS, TIPS, Region
-from lutgen.vector import Bools, Floats, Singles, Vector, dot, read3, row, write3
+from lutgen.vector import dot, read3, row, write3
 
 # A wall whose slope along a row is less than this runs along it; rows nearer to it than WITHIN are
 # computed node by node.
@@ -43,11 +43,11 @@ class Nodes(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Rows `first` to `first` + `held` - 1 of one face, and where their nodes begin in a block."""
+    """Rows `first` to `first` + `size` - 1 of one face, and where their nodes begin in a block."""
 
     face: int
     first: int
-    held: int
+    size: int
     at: int
 
 
@@ -81,25 +81,25 @@ def _passes(line: Floats, w: int, u: float, v: float) -> bool:
 
 @njit(bare=True)
 def _find_spans(line: Floats, walls: int, nodes: Nodes, rows: Rows, span: Floats) -> None:
-    """Fill `span` (3, held): first node inside all walls, the one after the last, and doubt.
+    """Fill `span` (3, size): first node inside all walls, the one after the last, and doubt.
 
     Doubt is below DOUBT where an end is too near to a node.
     """
     coords, count = nodes.coords, nodes.inverse.shape[0]
     begin, end, doubt = span[0], span[1], span[2]
-    for r in range(rows.held):
+    for r in range(rows.size):
         begin[r], end[r], doubt[r] = 0.0, count, 1.0
     per_step = 1.0 / (coords[1] - coords[0]) if count > 1 else 1.0
     for w in range(walls):
         level, tilt, slope = line[w, 0], line[w, 1], line[w, 2]
         if abs(slope) < PARALLEL or count == 1:
-            for r in range(rows.held):
+            for r in range(rows.size):
                 value = level + tilt * coords[rows.first + r]
                 end[r] = end[r] if value > -WITHIN or count == 1 else 0.0
                 doubt[r] = doubt[r] if abs(value) > WITHIN and count > 1 else -1.0
             continue
         origin, tilt = (-level / slope - coords[0]) * per_step, -tilt / slope * per_step
-        for r in range(rows.held):
+        for r in range(rows.size):
             # Cut to what is near to the face before it is rounded, and cast only after that.
             place = min(max(origin + tilt * coords[rows.first + r], -1.0), count + 0.5)
             node = math.ceil(place)
@@ -128,18 +128,12 @@ def draw(
 ) -> None:
     """Fill |SD_g| of rows, NaN where the robot tips, and height, facet and status if wanted."""
     coords, count, line, span = nodes.coords, nodes.inverse.shape[0], scratch.line, scratch.span
-    sdg, height, facet, status = out[SDG], out[HEIGHT], out[FACET], out[STATUS]
-    empty = np.float32(math.nan)
-    for i in range(rows.at, rows.at + rows.held * count):
-        sdg[i] = empty
-    if wanted[HEIGHT] or wanted[FACET] or wanted[STATUS]:
-        for i in range(rows.at, rows.at + rows.held * count):
-            if wanted[HEIGHT]:
-                height[i] = empty
-            if wanted[FACET]:
-                facet[i] = np.float32(-1.0)
-            if wanted[STATUS]:
-                status[i] = np.float32(TIPS)
+    sdg = out[SDG]
+    for channel, none in ((SDG, math.nan), (HEIGHT, math.nan), (FACET, -1.0), (STATUS, 1.0 * TIPS)):
+        if channel == SDG or wanted[channel]:
+            marks, empty = out[channel], np.float32(none)
+            for i in range(rows.at, rows.at + rows.size * count):
+                marks[i] = empty
     for k in range(region.counts[CONES] - 1, -1, -1):  # The first cone has the last word.
         first, walls, place = region.cone[k].first, region.cone[k].count, region.cone[k].seat
         for w in range(walls):
@@ -149,8 +143,8 @@ def draw(
         c0, b0, a0 = _on_face(nodes, rows.face, read3(seat.plane))
         c1, b1, a1 = _on_face(nodes, rows.face, read3(seat.axes[0]))
         c2, b2, a2 = _on_face(nodes, rows.face, read3(seat.axes[1]))
-        high, kind = np.float32(seat.height), np.float32(region.cone[k].status)
-        for r in range(rows.held):
+        told = (HEIGHT, seat.height), (FACET, float(place)), (STATUS, float(region.cone[k].status))
+        for r in range(rows.size):
             begin, end = int(min(span[0, r], count)), int(span[1, r])
             v = coords[rows.first + r]
             if span[2, r] < DOUBT:
@@ -161,15 +155,11 @@ def draw(
                 u = coords[i]
                 x, y = d1 + a1 * u, d2 + a2 * u
                 sdg[at + i] = np.float32(math.sqrt(x * x + y * y) / (d0 + a0 * u))
-            if wanted[HEIGHT]:
-                for i in range(begin, end):
-                    height[at + i] = high
-            if wanted[FACET]:
-                for i in range(begin, end):
-                    facet[at + i] = np.float32(place)
-            if wanted[STATUS]:
-                for i in range(begin, end):
-                    status[at + i] = kind
+            for channel, value in told:
+                if wanted[channel]:
+                    marks, mark = out[channel], np.float32(value)
+                    for i in range(at + begin, at + end):
+                        marks[i] = mark
 
 
 @njit(inline=True, bare=True)
@@ -266,7 +256,7 @@ def fill_tip_angles(
         write3(line[4 * b + 1], _on_face(nodes, rows.face, read3(arc.along)))
         write3(line[4 * b + 2], _on_face(nodes, rows.face, read3(arc.amid)))
         line[4 * b + 3, 0] = arc.spread
-    for r in range(rows.first, rows.first + rows.held):
+    for r in range(rows.first, rows.first + rows.size):
         at = rows.at + (r - rows.first) * count
         if region.counts[ACCEPTED] == 0 or arcs == 0:
             for i in range(count):

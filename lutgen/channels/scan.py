@@ -7,16 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lutgen.channels.evaluation import measure_postures
-from lutgen.channels.exact import (
-    ENERGY,
-    MARGIN,
-    SHARE,
-    TIP,
-    Setting,
-    measure,
-    wanted_channels,
-)
+from lutgen.arrays import Floats, Singles
+from lutgen.channels.evaluation import measure_recipe
+from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
 from lutgen.channels.loads import share_of
 from lutgen.channels.rows import (
     PAD,
@@ -28,18 +21,17 @@ from lutgen.channels.rows import (
     node_direction,
     nodes_of,
 )
-from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
+from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward
 from lutgen.support import Region, empty_region, stand
-from lutgen.vector import Floats, Singles
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
 BAND = 4096
-# Readings of a loaded robot that are held in float64 at once, 48 bytes each.
+# Readings of a loaded robot that are held in float64 at once, or those of one posture.
 AT_ONCE = 1 << 17
 
 
@@ -50,7 +42,7 @@ def _each_node(
     """Fill the wanted channels of rows node by node."""
     _, wanted, groups = setting
     count = nodes.inverse.shape[0]
-    for r in range(rows.held):
+    for r in range(rows.size):
         for i in range(count):
             g = node_direction(nodes, rows.face, i, rows.first + r)
             measure(region, g, wanted, values)
@@ -88,9 +80,9 @@ def scan_part(
             stand(region, primitives[posture], accept)
         place = first + line - posture * per_posture
         face, first_row = place // count, place % count
-        held = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
-        rows = Rows(face, first_row, held, line * count)
-        line += held
+        size = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
+        rows = Rows(face, first_row, size, line * count)
+        line += size
         if wanted[MARGIN] or wanted[ENERGY] or wanted[SHARE]:
             _each_node(region, nodes, rows, setting, values, out)
             continue
@@ -129,7 +121,7 @@ class Scanner:
     """
 
     def __init__(self, recipe: Recipe, chart: Chart, channels: Sequence[str]) -> None:
-        self._recipe = recipe
+        self._recipe, self._channels = recipe, channels
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
         self._setting = Setting(acceptance_of(recipe), wanted_channels(channels), groups_of(recipe))
@@ -138,26 +130,16 @@ class Scanner:
 
     def fill(self, params: Floats, first: int, last: int, out: Singles) -> None:
         """Fill `out` for postures (m, k) over rows [first, last) of each; see `scan`."""
-        postures = forward(self._recipe, params)
-        primitives = primitives_of(self._recipe, postures)
         if self._directions is None:
+            primitives = primitives_of(self._recipe, forward(self._recipe, params))
             scan(primitives, self._setting, self._nodes, (first, last), out)
             return
         directions = self._directions[first:last].reshape(1, -1, 3)
-        self._fill_loaded(primitives, wrenches(self._recipe, postures), directions, out)
-
-    def _fill_loaded(
-        self, primitives: Floats, wrench: Floats, directions: Floats, out: Singles
-    ) -> None:
-        """Fill `out` for a loaded robot, some postures and directions at a time."""
         count = directions.shape[1]
         few = max(1, AT_ONCE // count)
-        for begin in range(0, len(primitives), few):
-            some = slice(begin, begin + few)
-            for at in range(0, count, AT_ONCE):
-                part = directions[:, at : at + AT_ONCE]
-                values = measure_postures(primitives[some], wrench[some], part, self._setting)
-                for channel, rows in values.items():
-                    for i, value in enumerate(rows):
-                        place = (begin + i) * count + at
-                        out[channel, place : place + part.shape[1]] = value
+        for begin in range(0, len(params), few):
+            some = forward(self._recipe, params[begin : begin + few])
+            values = measure_recipe(self._recipe, some, directions, self._channels)
+            for name, found in values.items():
+                place = slice(begin * count, begin * count + found.size)
+                out[CHANNELS.index(name), place] = found.ravel()

@@ -9,9 +9,10 @@ import math
 
 import numpy as np
 
+from lutgen.arrays import Floats, Ints, Vector
 from lutgen.jit import njit
 from lutgen.support import SHOWN, STANDS, TIPS, Region, plane_axes, support_contact
-from lutgen.vector import Floats, Ints, Vector, add, cross, dot, read3, row, scale, subtract
+from lutgen.vector import add, cross, dot, read3, row, scale, subtract
 
 # Newton's steps: a handful are taken.
 STEPS = 200

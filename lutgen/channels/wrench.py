@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
-from lutgen.recipe import (
-    Postures,
-    Recipe,
-    contact_tolerance_of,
-    radii_and_kinds,
-    robot_size_of,
-)
+from lutgen.recipe import Postures, Recipe, contact_tolerance_of, radii_and_kinds, robot_size_of
 from lutgen.support import AXLE, FIRST, Acceptance, acceptance, pack
 
 # Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lutgen.channels import Scanner
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError
-from lutgen.mapping.head import Block, Plan, plan
+from lutgen.mapping.head import Block, Layout, plan
 from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
 
@@ -30,8 +30,8 @@ TO_STAND = (
 class Computer:
     """Computes blocks of one recipe, one at a time, in memory that it keeps."""
 
-    def __init__(self, recipe: Recipe, layout: Plan) -> None:
-        self._recipe = recipe
+    def __init__(self, layout: Layout) -> None:
+        self._recipe = recipe = layout.recipe
         self._scanner = Scanner(recipe, recipe.chart, recipe.channels)
         self._out = np.empty((len(CHANNELS), layout.rows * layout.shape[-1]), np.float32)
 
@@ -59,7 +59,7 @@ def expected_seconds(recipe: Recipe) -> float:
     numba.set_num_threads(1)
     try:
         pieces = plan(recipe, PIECE)
-        computer = Computer(recipe, pieces)
+        computer = Computer(pieces)
         chosen = sorted({(2 * k + 1) * pieces.count // (2 * PIECES) for k in range(PIECES)})
         # Not timed: what is not compiled yet is compiled here.
         computer.compute(pieces.block(chosen[0]))
@@ -73,7 +73,7 @@ def expected_seconds(recipe: Recipe) -> float:
                 break
     finally:
         numba.set_num_threads(threads)
-    return taken * pieces.nodes / nodes / threads
+    return taken * recipe.nodes / nodes / threads
 
 
 def require_standing(recipe: Recipe) -> None:

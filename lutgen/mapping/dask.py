@@ -1,6 +1,6 @@
 """Compute blocks by workers of dask.distributed; this process writes them.
 
-The recipe (and its URDF) travels there as text with the numbers of blocks, the values come back.
+The recipe travels there with the numbers of blocks, the values come back.
 """
 
 import logging
@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 import dask
 import distributed
@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from lutgen._version import __version__
 from lutgen.errors import InputError, LutgenError, SweepError
 from lutgen.mapping.compute import Computer
-from lutgen.mapping.head import Plan
+from lutgen.mapping.head import Layout
 from lutgen.mapping.part import PartFile
-from lutgen.recipe import Recipe, parse_recipe
 
 # Blocks that are out at a time for each worker: one to compute, one to go on with.
 AHEAD = 2
@@ -38,43 +37,31 @@ INSIDE |= {"dashboard_address": LOOPBACK, "worker_dashboard_address": LOOPBACK}
 NO_PAGES: dict[str, Any] = {f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")}
 
 
-class Job(NamedTuple):
-    """The facts of a sweep that a worker needs beside the number of a block."""
-
-    text: str
-    urdf: str | None
-    source: str
-    layout: Plan
-    threads: int | None
+# What computes the blocks of a sweep is made once in each worker.
+computer_of = lru_cache(maxsize=1)(Computer)
 
 
-@lru_cache(maxsize=1)
-def computer_of(job: Job) -> Computer:
-    """Return what computes the blocks of a sweep, made once in each worker."""
-    return Computer(parse_recipe(job.text, job.source, urdf=job.urdf), job.layout)
-
-
-def compute_block(number: int, job: Job) -> tuple[int, list[NDArray[Any]]]:
+def compute_block(
+    number: int, layout: Layout, threads: int | None
+) -> tuple[int, list[NDArray[Any]]]:
     """Compute a block on a worker; return its number and the values of each channel."""
     with _LOCK:
-        own = job.threads or distributed.get_worker().state.nthreads
+        own = threads or distributed.get_worker().state.nthreads
         numba.set_num_threads(max(1, min(own, numba.config.NUMBA_NUM_THREADS)))
-        values = computer_of(job).compute(job.layout.block(number))
+        values = computer_of(layout).compute(layout.block(number))
         return number, [array.copy() for array in values]
 
 
-def compute_there(
-    file: PartFile, recipe: Recipe, layout: Plan, client: Any, threads: int | None
-) -> Generator[int, None, None]:
+def compute_there(file: PartFile, client: Any, threads: int | None) -> Generator[int, None, None]:
     """Compute every block that is not done on workers; yield its number when it is written.
 
     `threads` are those of each worker, all that it has by default.
     """
-    job = Job(recipe.text, recipe.urdf, recipe.source, layout, threads)
     todo = iter(np.flatnonzero(~file.done).tolist())
+    facts = {"layout": file.head.layout, "threads": threads}
 
     def send(count: int) -> set[Any]:
-        return set(client.map(compute_block, list(islice(todo, count)), job=job, pure=False))
+        return set(client.map(compute_block, list(islice(todo, count)), pure=False, **facts))
 
     with _as_sweep_error():
         waiting = send(AHEAD * _require_workers(client))

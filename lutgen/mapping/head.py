@@ -9,7 +9,7 @@ before HDF5 reads the file, because HDF5 can crash on damaged metadata.
 import io
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -40,30 +40,33 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Plan:
-    """The blocks of one map, whose channels have a `shape` (parameters..., face, v, u).
+class Layout:
+    """The blocks of a recipe's map and, once HDF5 has chosen them, the `places` of its channels.
 
     A block has `rows` rows, whole postures or a part of one; the last of either may have fewer.
+    `places` are the bytes at which the channels begin; the digests of blocks depend on `version`.
     """
 
-    shape: tuple[int, ...]
+    recipe: Recipe
     rows: int
+    places: tuple[int, ...] = ()
+    version: str = __version__
 
     @property
-    def nodes(self) -> int:
-        """Nodes of the map, per channel."""
-        return math.prod(self.shape)
+    def shape(self) -> tuple[int, ...]:
+        """Shape of each channel: parameters..., face, v, u."""
+        return (*self.recipe.grid.shape, *self.recipe.chart.shape)
 
     @property
     def _uncut(self) -> int:
         """Rows of which blocks are cut: those of the whole map, or of one posture."""
         posture = math.prod(self.shape[-3:-1])
-        return posture if self.rows % posture else self.nodes // self.shape[-1]
+        return posture if self.rows % posture else math.prod(self.shape[:-1])
 
     @property
     def count(self) -> int:
         """Number of blocks."""
-        return self.nodes // self.shape[-1] // self._uncut * -(-self._uncut // self.rows)
+        return math.prod(self.shape[:-1]) // self._uncut * -(-self._uncut // self.rows)
 
     def block(self, number: int) -> Block:
         """Return a block by its number, 0 <= number < count."""
@@ -72,17 +75,33 @@ class Plan:
         first = whole * uncut + part * self.rows
         return Block(number, first, min(first + self.rows, (whole + 1) * uncut))
 
+    def span(self, index: int, number: int) -> tuple[int, int]:
+        """Return place and size of one block of a channel, in bytes."""
+        kind = np.dtype(QUANTITIES[self.recipe.channels[index]].stored_type)
+        block, row = self.block(number), self.shape[-1] * kind.itemsize
+        return self.places[index] + block.first * row, (block.last - block.first) * row
 
-def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Plan:
-    """Return the plan of a recipe's map, with blocks of at most `block_nodes` nodes or one row."""
+    @property
+    def size(self) -> int:
+        """Bytes of the whole file."""
+        return sum(self.span(len(self.places) - 1, self.count - 1))
+
+    def digest(self, values: bytes | memoryview, index: int, number: int) -> bytes:
+        """Return the digest (`DIGEST` bytes) of one block of a channel, for this place and map."""
+        facts = (self.recipe.digest, DEFINITION, self.version, self.rows)
+        text = "\n".join(map(str, ("lutgen block", *facts, self.recipe.channels[index], number)))
+        key = blake3(text.encode()).digest()
+        return blake3(values, key=key).digest()
+
+
+def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Layout:
+    """Return the blocks of a recipe's map: of at most `block_nodes` nodes each, or one row."""
     faces, side, width = recipe.chart.shape
     posture = faces * side
     most = min(block_nodes // (posture * width), BLOCK_POSTURES)
     if most:
-        rows = posture * _even(recipe.grid.size, most)
-    else:
-        rows = _even(posture, max(1, block_nodes // width))
-    return Plan((*recipe.grid.shape, *recipe.chart.shape), rows)
+        return Layout(recipe, posture * _even(recipe.grid.size, most))
+    return Layout(recipe, _even(posture, max(1, block_nodes // width)))
 
 
 def _even(count: int, most: int) -> int:
@@ -108,29 +127,6 @@ _WRITTEN = 20
 _AS_IT_IS = (
     "sweep it again, or read it as it is: `lutgen info --unsealed`, `load_map(path, unsealed=True)`"
 )
-
-
-@dataclass(frozen=True)
-class Storage:
-    """The bytes at which a map file's channels begin, and the facts that digests depend on."""
-
-    recipe: Recipe
-    layout: Plan
-    places: tuple[int, ...]
-    version: str
-
-    def span(self, index: int, number: int) -> tuple[int, int]:
-        """Return place and size of one block of a channel, in bytes."""
-        kind = np.dtype(QUANTITIES[self.recipe.channels[index]].stored_type)
-        block, row = self.layout.block(number), self.layout.shape[-1] * kind.itemsize
-        return self.places[index] + block.first * row, (block.last - block.first) * row
-
-    def digest(self, values: bytes | memoryview, index: int, number: int) -> bytes:
-        """Return the digest (`DIGEST` bytes) of one block of a channel, for this place and map."""
-        facts = (self.recipe.digest, DEFINITION, self.version, self.layout.rows)
-        text = "\n".join(map(str, ("lutgen block", *facts, self.recipe.channels[index], number)))
-        key = blake3(text.encode()).digest()
-        return blake3(values, key=key).digest()
 
 
 def sealed(head: bytes, size: int) -> bytes:
@@ -179,10 +175,10 @@ def _fault(file: BinaryIO) -> str:
         return f"is open for writing in another program (got {what}); close it there, then read it"
     file.seek(0)
     head, start = file.read(max(length, 0)), found.end() + len("blake3=")
-    held, end = head[start : start + 64], start + 64
+    sealed_by, end = head[start : start + 64], start + 64
     own = blake3(head[:start] + b"0" * 64 + head[end:]).hexdigest().encode()
-    if own != held:
-        what = f"{own[:12]!r} instead of {held[:12]!r}"
+    if own != sealed_by:
+        what = f"{own[:12]!r} instead of {sealed_by[:12]!r}"
         return (
             f"has a head that does not match its digest (got {what}); it is damaged or was edited: "
             "copy it or sweep it again"
@@ -196,17 +192,15 @@ COMPLETE = "complete"
 DIGESTS, ROWS = "seal/blocks", "rows"
 
 
-@dataclass(frozen=True)
-class Head:
-    """The layout of one map file of `size` bytes.
+class Head(NamedTuple):
+    """The beginning of a map file, and its layout with the places of the channels.
 
-    `data` is its beginning, with zeros for the digests of blocks, at the bytes `digests`.
+    `data` has zeros for the digests of blocks, at the bytes `digests`.
     """
 
     data: bytes
     digests: slice
-    storage: Storage
-    size: int
+    layout: Layout
 
 
 class _Memory(io.BytesIO):
@@ -220,9 +214,9 @@ class _Memory(io.BytesIO):
         return super().write(data)
 
 
-def lay_out(recipe: Recipe, layout: Plan, complete: bool) -> Head:
-    """Return the head of a recipe's map; the same bytes every time."""
-    memory = _Memory()
+def lay_out(layout: Layout, complete: bool) -> Head:
+    """Return the head of a map; the same bytes every time."""
+    memory, recipe = _Memory(), layout.recipe
     with h5py.File(memory, "w", libver=("earliest", "v110")) as file:
         for name, value in _attributes(recipe, complete).items():
             file.attrs[name] = value
@@ -242,7 +236,7 @@ def lay_out(recipe: Recipe, layout: Plan, complete: bool) -> Head:
         for name in ("v", "u"):
             text = f"gnomonic face coordinate {name} of the gravity direction"
             scales.append(_scale(file, name, recipe.chart.coords, "1", text))
-        channels = [_channel(file, name, recipe, layout, scales) for name in recipe.channels]
+        channels = [_channel(file, name, layout, scales) for name in recipe.channels]
         file.flush()
         memory.end = memory.seek(0, io.SEEK_END)
         for channel in channels:
@@ -250,9 +244,9 @@ def lay_out(recipe: Recipe, layout: Plan, complete: bool) -> Head:
             channel[(0,) * channel.ndim] = 0
         places = tuple(channel.id.get_offset() for channel in channels)
         start = digests.id.get_offset()
-        held, size = slice(start, start + digests.nbytes), places[-1] + channels[-1].nbytes
-    storage = Storage(recipe, layout, places, __version__)
-    return Head(memory.getvalue().ljust(places[0], b"\0"), held, storage, size)
+        found = slice(start, start + digests.nbytes)
+    data = memory.getvalue().ljust(places[0], b"\0")
+    return Head(data, found, replace(layout, places=places))
 
 
 def _attributes(recipe: Recipe, complete: bool) -> dict[str, Any]:
@@ -298,7 +292,7 @@ def _scale(
 
 
 def _channel(
-    file: h5py.File, name: str, recipe: Recipe, layout: Plan, scales: list[h5py.Dataset]
+    file: h5py.File, name: str, layout: Layout, scales: list[h5py.Dataset]
 ) -> h5py.Dataset:
     quantity = QUANTITIES[name]
     late = h5py.h5d.ALLOC_TIME_LATE
@@ -309,7 +303,7 @@ def _channel(
         variable.attrs["flag_meanings"] = " ".join(quantity.words)
     else:
         variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
-    variable.attrs["units"] = quantity.stored_unit(recipe.length_unit)
+    variable.attrs["units"] = quantity.stored_unit(layout.recipe.length_unit)
     variable.attrs["long_name"] = quantity.title
     for axis, scale in enumerate(scales):
         variable.dims[axis].attach_scale(scale)

@@ -8,16 +8,7 @@ import h5py
 import numpy as np
 
 from lutgen.errors import LutgenError, MapFileError, reject
-from lutgen.mapping.head import (
-    COMPLETE,
-    DEFINITION,
-    DIGESTS,
-    FORMAT,
-    ROWS,
-    Plan,
-    Storage,
-    check_seal,
-)
+from lutgen.mapping.head import COMPLETE, DEFINITION, DIGESTS, FORMAT, ROWS, Layout, check_seal
 from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
@@ -54,10 +45,10 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
                     _require_inside(name, file, channel, recipe)
                 return StabilityMap(name, recipe, attributes)
             digests = file[DIGESTS]
-            layout = Plan((*recipe.grid.shape, *recipe.chart.shape), int(digests.attrs[ROWS]))
+            rows, version = int(digests.attrs[ROWS]), str(attributes["lutgen_version"])
             places = tuple(int(file[channel].id.get_offset()) for channel in recipe.channels)
-            storage = Storage(recipe, layout, places, str(attributes["lutgen_version"]))
-            return StabilityMap(name, recipe, attributes, storage, digests[...])
+            layout = Layout(recipe, rows, places, version)
+            return StabilityMap(name, recipe, attributes, layout, digests[...])
     except LutgenError:
         raise
     except Exception as error:
@@ -95,9 +86,9 @@ def _require_ours(name: str, attributes: dict[str, Any]) -> None:
 
 def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
     text, urdf = str(attributes["recipe"]), attributes.get("urdf")
-    own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
-    if own != held:
-        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {held[:12]!r}"
+    own, stored = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
+    if own != stored:
+        what, got = "its recipe does not match its digest", f"{own[:12]} instead of {stored[:12]!r}"
         reject(name, what, got, "the file was edited: sweep it again", MapFileError)
     try:
         return parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
@@ -110,17 +101,14 @@ def _require_inside(name: str, file: h5py.File, channel: str, recipe: Recipe) ->
 
     HDF5 lets a file point at others; a map must not return bytes of a file that its maker named.
     """
-    shape = (*recipe.grid.shape, *recipe.chart.shape)
     link = file.get(channel, getlink=True)
-    found = file[channel] if isinstance(link, h5py.HardLink) else None
-    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external:
-        what = "nothing" if link is None else "a link, a group or values in another file"
-    elif found.shape != shape:
-        what = f"the shape {found.shape}, not {shape}"
-    elif not np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind"):
-        what = f"the type {found.dtype}"
-    elif not found.id.get_storage_size():
-        what = "a variable without values"
-    else:
-        return
-    raise MapFileError(f"{name}: channel {channel} is not in the file (got {what}); sweep it again")
+    found = file[channel] if isinstance(link, h5py.HardLink) else link
+    inside = isinstance(found, h5py.Dataset) and not (found.is_virtual or found.external)
+    if not (
+        inside
+        and found.shape == (*recipe.grid.shape, *recipe.chart.shape)
+        and np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind")
+        and found.id.get_storage_size()
+    ):
+        what = "is not in the file as its recipe says"
+        reject(f"{name}: channel {channel}", what, found, "sweep it again", MapFileError)

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError, reject
-from lutgen.mapping.head import BLANK, DIGEST, SIGNATURE, Plan, lay_out, sealed
-from lutgen.recipe import Recipe
+from lutgen.mapping.head import BLANK, DIGEST, SIGNATURE, Layout, lay_out, sealed
 
 try:
     import fcntl
@@ -67,10 +66,10 @@ class PartFile:
     `done` (blocks,) bool says which blocks are written.
     """
 
-    def __init__(self, path: Path, recipe: Recipe, layout: Plan) -> None:
+    def __init__(self, path: Path, layout: Layout) -> None:
         self.path, self.done, self._handle = path, np.zeros(layout.count, np.bool_), -1
-        self.head = lay_out(recipe, layout, complete=False)
-        self._whole = lay_out(recipe, layout, complete=True).data
+        self.head = lay_out(layout, complete=False)
+        self._whole = lay_out(layout, complete=True).data
 
     def __enter__(self) -> "PartFile":
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
@@ -115,12 +114,12 @@ class PartFile:
             self._require_same()
         self._require_space()
         if not anew:
-            os.ftruncate(self._handle, self.head.size)
+            os.ftruncate(self._handle, self.head.layout.size)
             return
         if os.fstat(self._handle).st_size:
             # Some file systems write a file that was emptied when it is closed.
             os.ftruncate(self._handle, 0)
-        os.ftruncate(self._handle, self.head.size)
+        os.ftruncate(self._handle, self.head.layout.size)
         data = memoryview(self.head.data)
         write_at(self._handle, data[len(SIGNATURE) :], len(SIGNATURE))
         os.fsync(self._handle)
@@ -130,7 +129,7 @@ class PartFile:
 
     def _require_space(self) -> None:
         free = shutil.disk_usage(self.path.parent).free
-        need = self.head.size - getattr(os.fstat(self._handle), "st_blocks", 0) * 512
+        need = self.head.layout.size - getattr(os.fstat(self._handle), "st_blocks", 0) * 512
         if need > free:
             raise SweepError(
                 f"{self.path}: the disk is too full for this map (got {free / 1e9:.2f} GB free, "
@@ -139,7 +138,7 @@ class PartFile:
             )
 
     def _require_same(self) -> None:
-        found, recipe = self._read_head(), self.head.storage.recipe
+        found, recipe = self._read_head(), self.head.layout.recipe
         start = self.head.data.index(BLANK.encode())
         # How far the sweep is may differ: the digests, the seal, and if it is complete.
         for ours in map(bytearray, (self.head.data, self._whole)):
@@ -163,31 +162,31 @@ class PartFile:
 
     def find_done(self) -> Iterator[int]:
         """Read what is there and yield the number of every block that has its digests."""
-        held = self._read_head()[self.head.digests]
-        size = DIGEST * len(self.head.storage.places)
+        stored = self._read_head()[self.head.digests]
+        size = DIGEST * len(self.head.layout.places)
         for number in range(self.done.size):
-            wanted = held[number * size : (number + 1) * size]
+            wanted = stored[number * size : (number + 1) * size]
             if any(wanted) and self._digests_there(number) == wanted:
                 self.done[number] = True
                 yield number
 
     def _digests_there(self, number: int) -> bytes:
         """Return the digests of a block as it is in the file; none where it cannot be read."""
-        storage, digests = self.head.storage, b""
+        layout, digests = self.head.layout, b""
         # A place that cannot be read can often be written again.
         with contextlib.suppress(OSError):
-            for index in range(len(storage.places)):
-                place, size = storage.span(index, number)
-                digests += storage.digest(read_at(self._handle, size, place), index, number)
+            for index in range(len(layout.places)):
+                place, size = layout.span(index, number)
+                digests += layout.digest(read_at(self._handle, size, place), index, number)
         return digests
 
     def write(self, number: int, values: Sequence[NDArray[Any]]) -> None:
         """Write the values of a block, one array for each channel, and then their digests."""
-        storage, digests = self.head.storage, b""
+        layout, digests = self.head.layout, b""
         for index, array in enumerate(values):
             data = array.data.cast("B")
-            write_at(self._handle, data, storage.span(index, number)[0])
-            digests += storage.digest(data, index, number)
+            write_at(self._handle, data, layout.span(index, number)[0])
+            digests += layout.digest(data, index, number)
         place = self.head.digests.start + number * len(digests)
         write_at(self._handle, memoryview(digests), place)
         self.done[number] = True
@@ -197,7 +196,7 @@ class PartFile:
         os.fsync(self._handle)
         head = bytearray(self._whole)
         head[self.head.digests] = self._read_head()[self.head.digests]
-        write_at(self._handle, memoryview(sealed(bytes(head), self.head.size)), 0)
+        write_at(self._handle, memoryview(sealed(bytes(head), self.head.layout.size)), 0)
         os.fsync(self._handle)
         if fcntl is None:
             # Windows renames no file that is open.

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.chart import Chart
 from lutgen.errors import InputError, MapFileError, optional, reject
 from lutgen.grid import Axis
-from lutgen.mapping.head import Storage, check_seal
+from lutgen.mapping.head import Layout, check_seal
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, within_limits
 
@@ -98,14 +98,14 @@ OF_THE_FILE = ("digest", "complete")
 class StabilityMap:
     """A stability map on disk; values are read on access.
 
-    `storage` says where a sealed file has its values, and `digests` (blocks, channels, bytes) what
+    `layout` says where a sealed file has its values, and `digests` (blocks, channels, bytes) what
     they must match; None for a file that is read though it is not sealed.
     """
 
     path: str
     recipe: Recipe
     attributes: dict[str, Any]
-    storage: Storage | None = None
+    layout: Layout | None = None
     digests: NDArray[np.uint8] | None = None
     _values: dict[str, NDArray[Any]] = field(default_factory=dict)
 
@@ -169,16 +169,16 @@ class StabilityMap:
         index = self._index(name)
         kind, width = np.dtype(QUANTITIES[name].stored_type), self.chart.nodes
         try:
-            if self.storage is None or self.digests is None:
+            if self.layout is None or self.digests is None:
                 with h5py.File(self.path, "r") as file:
                     yield 0, file[name][...].reshape(-1, width).astype(kind, copy=False)
                 return
             with Path(self.path).open("rb", buffering=0) as file:
                 for number, digests in enumerate(self.digests):
-                    place, size = self.storage.span(index, number)
+                    place, size = self.layout.span(index, number)
                     file.seek(place)
                     data = file.read(size)
-                    own = self.storage.digest(data, index, number)
+                    own = self.layout.digest(data, index, number)
                     if own != digests[index].tobytes():
                         raise MapFileError(
                             f"{self.path}: channel {name} has values that do not match their "
@@ -186,7 +186,7 @@ class StabilityMap:
                             "damaged or was edited: copy it or sweep it again"
                         )
                     values = np.frombuffer(data, kind).reshape(-1, width)
-                    yield self.storage.layout.block(number).first, values
+                    yield self.layout.block(number).first, values
         except (OSError, KeyError, RuntimeError) as error:
             if isinstance(error, MapFileError):
                 raise

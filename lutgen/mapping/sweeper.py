@@ -16,7 +16,7 @@ from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError, optional, reject
 from lutgen.files import check_kind, check_target
 from lutgen.mapping.compute import Computer, require_standing
-from lutgen.mapping.head import Plan, plan
+from lutgen.mapping.head import plan
 from lutgen.mapping.opening import load_map
 from lutgen.mapping.part import PartFile
 from lutgen.mapping.stability_map import StabilityMap
@@ -90,22 +90,21 @@ def sweep(
         layout = plan(recipe)
         bounds.check(layout.count, bounds.BLOCKS, recipe.source, "use fewer samples")
         with ExitStack() as stack:
-            compute: Engine = partial(_compute_here, recipe=recipe, layout=layout)
+            compute: Engine = _compute_here
             if engine == "dask":
                 name, way_out = "lutgen.mapping.dask", "use the engine local"
                 there = optional("--engine dask", name, "lutgen[cluster]", way_out)
                 # Before there is a file: without a scheduler none is left behind.
                 client = stack.enter_context(there.connected(scheduler))
-                work = partial(there.compute_there, client=client, threads=threads)
-                compute = partial(work, recipe=recipe, layout=layout)
-            file = stack.enter_context(PartFile(part, recipe, layout))
+                compute = partial(there.compute_there, client=client, threads=threads)
+            file = stack.enter_context(PartFile(part, layout))
             _open(file, resume, force)
             finished, blocks = 0, stack.enter_context(closing(compute(file)))
             for number in chain(file.find_done(), blocks):
                 block = layout.block(number)
                 finished += (block.last - block.first) * layout.shape[-1]
                 if progress is not None:
-                    progress(finished, layout.nodes)
+                    progress(finished, recipe.nodes)
             # It may be hours since that was checked.
             check_target(target, force)
             file.finish(target)
@@ -154,22 +153,22 @@ def _open(file: PartFile, resume: bool, force: bool) -> None:
         raise
 
 
-def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int, None, None]:
+def _compute_here(file: PartFile) -> Generator[int, None, None]:
     """Compute and write every block that is not done; yield its number.
 
     All threads compute the first block: what is not compiled yet is compiled in this one, which
     Ctrl-C reaches.  Then, if there are enough, each thread takes whole blocks.
     """
-    todo = np.flatnonzero(~file.done).tolist()
+    layout, todo = file.head.layout, np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
     # A robot given by code is called by one thread, as its author expects.
-    enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
+    enough = layout.recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
     own = threading.local()
 
     def work(number: int) -> int:
         if not hasattr(own, "computer"):
-            own.computer = Computer(recipe, layout)
+            own.computer = Computer(layout)
         file.write(number, own.computer.compute(layout.block(number)))
         return number
 

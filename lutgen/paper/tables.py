@@ -10,11 +10,11 @@ import numpy as np
 from markupsafe import Markup
 
 from lutgen.analysis import heuristic_forces, normal_forces
+from lutgen.arrays import Bools
 from lutgen.paper.model import CONTROLLED, HEIGHT, NOMINAL, TABLE, UNCONTROLLED, paper_recipe
 from lutgen.paper.simulations import HEADINGS, Results, level_values, third_simulation
 from lutgen.recipe import postures
 from lutgen.search import Path, along, paper_path, turned
-from lutgen.vector import Bools
 
 # The paper's T_g first; P and F are common names of the two readings.
 LETTERS = {"plane": "P", "body": "F"}

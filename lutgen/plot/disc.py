@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt, minimum_filter
 
 from lutgen.analysis import tilted
+from lutgen.arrays import Bools, Floats
 from lutgen.plot.key import Scale
 from lutgen.plot.labels import HEADINGS, given
 from lutgen.plot.painter import Camera, paint
 from lutgen.plot.solids import solids_of
 from lutgen.plot.style import bare, colours, halo, ink_on
 from lutgen.recipe import Recipe
-from lutgen.vector import Bools, Floats
 
 # The ray (deg of heading) along which lines are labelled: right side down, a little to the nose.
 LABELLED = 278.0

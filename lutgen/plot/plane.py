@@ -8,9 +8,9 @@ from scipy.ndimage import distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 from scipy.spatial import cKDTree
 
+from lutgen.arrays import Bools, Floats
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
-from lutgen.vector import Bools, Floats
 
 CELLS, FINER = 180, 6
 # The rest of a step after so many halvings, in degrees: contours end from BREAK on, and a line

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats
 from lutgen.errors import RecipeError, reject, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
@@ -19,7 +20,6 @@ from lutgen.urdf.links import (
     link_contacts,
     places,
 )
-from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
 # Share of the com's height.  Feet, wheels and flippers of real robots reach to within 7 % of it;

@@ -47,7 +47,7 @@ def swinging_axles(
     return tuple(found)
 
 
-def held(robot: UrdfRobot, axles: Sequence[Axle]) -> UrdfRobot:
+def with_axles_fixed(robot: UrdfRobot, axles: Sequence[Axle]) -> UrdfRobot:
     """Return a description whose axles are held in mid-swing: no parameter moves them."""
     names = {axle.name for axle in axles}
     joints = [

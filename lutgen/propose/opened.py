@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lutgen.arrays import Floats
 from lutgen.errors import InputError
 from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
@@ -14,7 +15,6 @@ from lutgen.urdf.joints import TURN
 from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS
-from lutgen.vector import Floats
 
 # Share of the com's height above the ground by which one link of a leg is lower than another: the
 # shank ends above the sole, and the mesh around a ball is not below the ball.
@@ -94,7 +94,7 @@ def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, 
     ground = min(one.low for one in found.values())
     if not ground < com:
         return set()
-    slack, near = LOWER * (com - ground), ground + NEAR * (com - ground)
+    allowed, near = LOWER * (com - ground), ground + NEAR * (com - ground)
     lowest = {name: one.low for name, one in found.items()}
     lows, rigid = _along_chains(robot, lowest), _along_chains(robot, lowest, ("fixed",))
     balls = _along_chains(robot, {name: one.ball for name, one in found.items()})
@@ -102,8 +102,8 @@ def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, 
         name
         for name, one in found.items()
         if len(one.corners)
-        and one.low <= min(near, lows[name] + slack, rigid[name])
-        and one.low < min(one.ball, balls[name]) - slack
+        and one.low <= min(near, lows[name] + allowed, rigid[name])
+        and one.low < min(one.ball, balls[name]) - allowed
     }
 
 
@@ -180,9 +180,9 @@ def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
             for name, link in dressed.items()
         }
         lows = _along_chains(robot, heights)
-        slack = LOWER * (float(centre_of_mass(robot, where)[2]) - min(heights.values()))
+        allowed = LOWER * (float(centre_of_mass(robot, where)[2]) - min(heights.values()))
         links = tuple(
-            dressed[link.name] if heights[link.name] <= lows[link.name] + slack else link
+            dressed[link.name] if heights[link.name] <= lows[link.name] + allowed else link
             for link in robot.links
         )
         if has_support(replace(robot, links=links), where, near=True):

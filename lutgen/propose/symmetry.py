@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lutgen.arrays import Floats
 from lutgen.parts import Contact
 from lutgen.propose.contacts import hanging, placed
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import Place, carried, downwards
-from lutgen.vector import Floats
 
 # Shares of the robot's size: within the first two joints are on one side, within the second one is
 # where the mirror image of the other is.  Masses of mirror images differ by a tenth at most, and

@@ -5,13 +5,7 @@ In reading order: `schema`, `load`, `model`, `rules`, `described`, `gallery`,
 """
 
 from lutgen.recipe.described import body_parts
-from lutgen.recipe.gallery import (
-    GALLERY,
-    gallery_names,
-    gallery_text,
-    start_recipe,
-    start_recipes,
-)
+from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text, start_recipe, start_recipes
 from lutgen.recipe.kinematics import (
     Postures,
     forward,

@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from lutgen import bounds
+from lutgen.arrays import Floats
 from lutgen.errors import InputError, LutgenError, RecipeError, reject, suggestion
 from lutgen.parts import Contact, Link, Parameter, to_internal
 from lutgen.recipe import schema
@@ -22,7 +23,6 @@ from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import TURN, Couple, Motion, read_motion
 from lutgen.urdf.links import link_contacts, links_of
 from lutgen.urdf.read import parse_urdf
-from lutgen.vector import Floats
 
 # rad or m: descriptions round their limits, and so do recipes in deg.
 SAME = 1e-6
@@ -166,14 +166,14 @@ def load_function(
     if not callable(function):
         refuse(f"module has no function {function_name}", name, "check the name")
     middle = np.array([[(p.minimum + p.maximum) / 2.0 for p in parameters]])
-    contacts, _ = asked(source, function, middle, kind=RecipeError)
+    contacts, _ = answered(source, function, middle, kind=RecipeError)
     if not 3 <= contacts.shape[1] <= MAX_CONTACTS:
         what = f"must return 3 to {MAX_CONTACTS} contacts"
         refuse(what, contacts.shape[1], "return those that can touch the ground")
     return function, contacts.shape[1]
 
 
-def asked(
+def answered(
     source: str,
     function: Callable[..., Any],
     values: Floats,

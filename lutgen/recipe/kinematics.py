@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.arrays import Floats, Ints
 from lutgen.errors import InputError, reject
 from lutgen.jit import njit
-from lutgen.parts import KINDS, ZERO, Contact, Force, Joint, Link, parents_first, way_up
-from lutgen.recipe.described import asked
+from lutgen.parts import KINDS, ZERO, Joint, Link, parents_first, way_up
+from lutgen.recipe.described import answered
 from lutgen.recipe.model import Recipe
-from lutgen.vector import Floats, Ints, Vector, rotation
+from lutgen.vector import rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
 
@@ -64,27 +65,27 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         what, got = "the robot is given by code that was not loaded", f"python = {recipe.python!r}"
         reject(recipe.source, what, got, "load its recipe file with allow_python", InputError)
     if recipe.function is not None:
-        own, com = asked(recipe.source, recipe.function, values, len(recipe.contacts))
+        own, com = answered(recipe.source, recipe.function, values, len(recipe.contacts))
         com = com + recipe.com_offset
         none = np.empty((len(values), 0, 3))
         centres = own - com[:, None, :]
         return Postures(centres, np.zeros(own.shape), com, none, none, none, none, none[..., 0])
-    contacts = len(recipe.contacts)
-    forces = contacts + len(recipe.forces)
-    pivots = forces + len(recipe.axles)
-    shape = (len(values), pivots + sum(map(len, swung_links(recipe))), 3)
-    points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
-    _forward(values, _tree(recipe), points, axes, com)
+    counts = len(recipe.contacts), len(recipe.forces), len(recipe.axles)
+    tree, ends = _tree(recipe), np.cumsum(counts)
+    points, axes = np.empty((2, len(values), len(tree.point_link), 3))
+    com = np.empty((len(values), 3))
+    _forward(values, tree, points, axes, com)
     com += recipe.com_offset
     points -= recipe.com_offset
+    contacts, forces, pivots, swung = np.split(points, ends, axis=1)
     return Postures(
-        np.ascontiguousarray(points[:, :contacts]),
-        np.ascontiguousarray(axes[:, :contacts]),
+        np.ascontiguousarray(contacts),
+        np.ascontiguousarray(axes[:, : ends[0]]),
         com,
-        np.ascontiguousarray(points[:, contacts:forces]),
-        points[:, forces:pivots],
-        axes[:, forces:pivots],
-        *_axle_masses(recipe, points[:, pivots:]),
+        np.ascontiguousarray(forces),
+        pivots,
+        axes[:, ends[1] : ends[2]],
+        *_axle_masses(recipe, swung),
     )
 
 
@@ -171,16 +172,12 @@ def _tree(recipe: Recipe) -> Tree:
     # Without masses the com is the origin of the recipe's frame: no link has a share.
     share = mass / total if total > 0.0 else mass
 
-    def rows(vectors: list[Vector]) -> Floats:
-        return np.array(vectors, dtype=np.float64).reshape(-1, 3)
-
-    points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
-    swung = [link for links in swung_links(recipe) for link in links]
-    positions = [*(point.position for point in points), *(axle.pivot for axle in recipe.axles)]
-    positions += [link.com for link in swung]
-    carriers = [*(one.link for one in (*points, *recipe.axles)), *(link.name for link in swung)]
-    axes = [*(contact.axis or ZERO for contact in recipe.contacts), *(ZERO for _ in recipe.forces)]
-    axes += [*(axle.axis for axle in recipe.axles), *(ZERO for _ in swung)]
+    # What is attached to each link, and where: see `Tree`.
+    spots = [(one.link, one.position, one.axis or ZERO) for one in recipe.contacts]
+    spots += [(one.link, one.position, ZERO) for one in recipe.forces]
+    spots += [(one.link, one.pivot, one.axis) for one in recipe.axles]
+    spots += [(one.name, one.com, ZERO) for swung in swung_links(recipe) for one in swung]
+    carriers, positions, axes = zip(*spots, strict=True)
     kinds = {"fixed": FIXED, "revolute": REVOLUTE, "prismatic": PRISMATIC}
     still, steps, motion = Joint("fixed", ZERO, "", 0.0, 0.0), [], []
     for link in links:
@@ -192,10 +189,10 @@ def _tree(recipe: Recipe) -> Tree:
         np.array(motion, np.float64),
         np.array([rotation(link.rpy) for link in links]),
         share,
-        rows([link.com for link in links]),
+        np.array([link.com for link in links], np.float64),
         np.array([row[name] for name in carriers], np.int64),
-        rows(positions),
-        rows(axes),
+        np.array(positions, np.float64),
+        np.array(axes, np.float64),
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
+from lutgen.arrays import Floats, Vector
 from lutgen.chart import Chart
 from lutgen.grid import Grid
 from lutgen.parts import (
@@ -25,7 +26,6 @@ from lutgen.parts import (
 )
 from lutgen.recipe import schema
 from lutgen.recipe.schema import ANGLE_UNITS, Robot
-from lutgen.vector import Floats, Vector
 
 
 @dataclass(frozen=True)

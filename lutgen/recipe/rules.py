@@ -12,15 +12,7 @@ from lutgen.parts import Contact, parents_first, way_up
 from lutgen.quantities import CHANNELS, UNLOADED
 from lutgen.recipe.load import NOTHING, Fault, example
 from lutgen.recipe.model import knots_of, unit
-from lutgen.recipe.schema import (
-    ANGLE_UNITS,
-    MAX_CONTACTS,
-    File,
-    Joint,
-    Parameter,
-    Robot,
-    Sweep,
-)
+from lutgen.recipe.schema import ANGLE_UNITS, MAX_CONTACTS, File, Joint, Parameter, Robot, Sweep
 
 # Names of a map file's other dimensions and variables, which no parameter may take.
 RESERVED = ("face", "v", "u", *CHANNELS)

@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lutgen.arrays import Floats
 from lutgen.parts import Contact, Link, parents_first
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.model import Recipe
-from lutgen.vector import Floats, rotation
+from lutgen.vector import rotation
 
 # Postures that are looked at: both ends and the middle of every parameter, or of so many parameters
 # that they would be more than this, the ends of as many as possible.

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lutgen.arrays import Bools, Floats
 from lutgen.bracket import halve
-from lutgen.vector import Bools, Floats
 
 # Takes (m, k) points and returns (m,) costs.
 Cost = Callable[[Floats], Floats]

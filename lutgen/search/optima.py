@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.arrays import Bools, Floats
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
 from lutgen.channels import checked_directions
@@ -18,7 +19,6 @@ from lutgen.recipe import Recipe
 from lutgen.search import methods
 from lutgen.search.methods import LEVELS, Step, acceptable_range, half_widths
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
-from lutgen.vector import Bools, Floats
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")

@@ -1,10 +1,10 @@
 """One posture into its support facets and its standing region.
 
-In reading order: `primitive`, `table`, `polygon`, `covered`, `tilting`, `gather`, `facets`,
-`cutting`, `pivots`, `rests`, `rolling`, `region`, `gaps`, `search`.
+In reading order: `primitive`, `table`, `polygon`, `tilting`, `gather`, `facets`, `pivots`,
+`region`, `rolling`, `gaps`.
 """
 
-from lutgen.support.covered import STICKS_OUT, lies_within
+from lutgen.support.gaps import stand
 from lutgen.support.polygon import plane_axes
 from lutgen.support.primitive import (
     AXLE,
@@ -14,13 +14,14 @@ from lutgen.support.primitive import (
     KIND,
     RADIUS,
     SPHERE,
+    STICKS_OUT,
+    lies_within,
     pack,
     support_contact,
     support_height,
 )
 from lutgen.support.region import ON_AXIS, cone_of, seat_under
 from lutgen.support.rolling import arc_between, roll_over, turned
-from lutgen.support.search import stand
 from lutgen.support.table import (
     ACCEPTED,
     ARCS,

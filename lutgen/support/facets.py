@@ -2,25 +2,14 @@
 
 import math
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.gather import facet_at, leave_old_edges_out
 from lutgen.support.polygon import has_bit
 from lutgen.support.primitive import DISC, KIND, POINT, are_alike, fill_contacts, support_contact
 from lutgen.support.table import EDGES, FACETS, SAME, Region, edge_after, ends_of
 from lutgen.support.tilting import Limits, tilt
-from lutgen.vector import (
-    Floats,
-    Vector,
-    along,
-    cross,
-    dot,
-    length,
-    read3,
-    row,
-    scale,
-    subtract,
-    unit,
-)
+from lutgen.vector import along, cross, dot, length, read3, row, scale, subtract, unit
 
 # A facet is looked for up to this n_z where those that count face down.  Nearer to 0 a plane rolls
 # towards the face of a wheel, where its contact is not defined.

@@ -7,46 +7,32 @@ sides are moved in until the balances that are held are outside at every eighth 
 
 import math
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
-from lutgen.support.region import add_arc, add_wall
-from lutgen.support.rolling import (
-    Places,
-    arc_between,
-    held_by,
-    roll_over,
-    turned,
-)
+from lutgen.support.facets import find_facets
+from lutgen.support.primitive import contact_count, show
+from lutgen.support.region import add_arc, add_boundary, add_rests, add_wall, find_rests
+from lutgen.support.rolling import Places, arc_between, held_by, roll_over, turned
 from lutgen.support.table import (
     ACCEPTED,
     CONES,
     EDGES,
     ROCKS,
+    SHOWN,
     STANDS,
     WALLS,
     Acceptance,
     Region,
-    asks_nothing,
     edge_after,
     ends_of,
     is_inner,
     is_same_rest,
     is_slit,
     rests_at,
+    robot_size,
     seat_of,
 )
-from lutgen.vector import (
-    Floats,
-    Vector,
-    along,
-    between,
-    cross,
-    dot,
-    length,
-    read3,
-    scale,
-    subtract,
-    unit,
-)
+from lutgen.vector import along, between, cross, dot, length, read3, scale, subtract, unit
 
 # A side is moved this many times the way to where it should be, SIDE_STEPS times at most.
 FURTHER, SIDE_STEPS = 1.05, 4
@@ -66,11 +52,7 @@ EIGHTHS = (
 
 @njit(bare=True)
 def _landing(
-    region: Region,
-    k: int,
-    came: int,
-    gravity: tuple[Vector, Vector],
-    sunk: tuple[float, float],
+    region: Region, k: int, came: int, gravity: tuple[Vector, Vector], sunk: tuple[float, float]
 ) -> tuple[float, float]:
     """Return the part [low, high] of [0, 1] for which the robot stays on rest k.
 
@@ -140,10 +122,10 @@ def _inside(wall: Vector, first: Places, second: Places, w: float) -> Sines:
 @njit(bare=True)
 def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
     """Return a side w moved towards the `other` one until the curve of its balances is outside."""
-    sign, weight, held = 1.0 if other > w else -1.0, 1.0, w
-    there = _inside(scale(_side_wall(first, second, other), sign), first, second, held)
+    sign, weight, balance = 1.0 if other > w else -1.0, 1.0, w
+    there = _inside(scale(_side_wall(first, second, other), sign), first, second, balance)
     for _ in range(SIDE_STEPS):
-        here = _inside(scale(_side_wall(first, second, w), sign), first, second, held)
+        here = _inside(scale(_side_wall(first, second, w), sign), first, second, balance)
         share = 0.0
         for k in range(len(EIGHTHS)):
             near, far = _at_eighth(here, EIGHTHS[k]), _at_eighth(there, EIGHTHS[k])
@@ -165,15 +147,15 @@ def _at_eighth(sines: Sines, weights: Sines) -> float:
 
 @njit(bare=True)
 def _add_gap(
-    region: Region, e: int, first: Places, second: Places, held: tuple[float, float]
+    region: Region, e: int, first: Places, second: Places, part: tuple[float, float]
 ) -> tuple[float, float]:
     """Add the cones and the sides of a gap; return the part of the edge that is held.
 
     There are two, divided where both planes are pierced at once: the rest that gravity pierces
     first gives `sdg` and `height`.
     """
-    low = _moved_in(first, second, held[0], held[1])
-    high = _moved_in(first, second, held[1], held[0])
+    low = _moved_in(first, second, part[0], part[1])
+    high = _moved_in(first, second, part[1], part[0])
     if not low < high:
         return 1.0, 0.0
     p0, q0 = _side(first, second, low)
@@ -281,7 +263,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         How many gaps have an area in which the robot rocks.
     """
     edge, seat = region.edge, region.seat
-    free = asks_nothing(accept)
+    free = accept.rock_angle == math.inf
     # The turn of a gap may be longer by rounding.
     least = -2.0 if free else math.cos(accept.rock_angle + 1e-12)
     gaps = 0
@@ -293,3 +275,28 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         if one or dot(read3(seat[here].normal), read3(seat[there].normal)) >= least:
             gaps += _find_gap(primitives, region, e, one, free)
     return gaps
+
+
+@njit(bare=True)
+def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
+    """Find where one posture stands.
+
+    Parameters
+    ----------
+    region : Region
+        Overwritten; as `empty_region` makes it for so many primitives.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    accept : Acceptance
+        Limits of facets and rests, and how far the robot rocks.
+    """
+    contacts = contact_count(primitives)
+    places, axles = primitives[:contacts], primitives[contacts:]
+    size = robot_size(places)
+    count = show(places, size, region.shown, region.source)
+    region.counts[SHOWN] = count
+    shown = region.shown[:count]
+    find_facets(shown, region, size, accept.steepest)
+    find_rests(shown, axles, region, accept, size)
+    add_rests(region)
+    add_boundary(region, find_gaps(shown, region, accept))

@@ -2,22 +2,13 @@
 
 import math
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.polygon import corners_of, has_bit
 from lutgen.support.primitive import fill_contacts, support_contact, tangent_plane
 from lutgen.support.table import EDGES, FACETS, Region
 from lutgen.support.tilting import ALL, touching
-from lutgen.vector import (
-    Floats,
-    Vector,
-    cross,
-    dot,
-    length,
-    read3,
-    subtract,
-    unit,
-    write3,
-)
+from lutgen.vector import cross, dot, length, read3, subtract, unit, write3
 
 # How often an enlarged facet looks for what its new plane touches.
 GATHERS = 2

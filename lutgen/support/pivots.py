@@ -11,27 +11,94 @@ judges that by a physics engine.
 import math
 from typing import NamedTuple
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
-from lutgen.support.cutting import Ground, Line, cut, line_on, place_on, without_short
 from lutgen.support.gather import ROW, forget_edges, write_edge
 from lutgen.support.polygon import corners_of, has_bit, outline, plane_axes
 from lutgen.support.primitive import FIRST, RADIUS, axle, support_contact
 from lutgen.support.table import EDGES, SAME, SHOWN, Region, ends_of
-from lutgen.vector import (
-    Floats,
-    Vector,
-    add,
-    along,
-    cross,
-    dot,
-    length,
-    read3,
-    row,
-    scale,
-    subtract,
-    unit,
-    write3,
-)
+from lutgen.vector import along, cross, dot, length, read3, row, scale, subtract, unit, write3
+
+# A line over which something turns, by two of its points.
+Line = tuple[Vector, Vector]
+
+
+class Ground(NamedTuple):
+    """The plane of a facet: its unit normal, two unit axes, and the foot of the com."""
+
+    normal: Vector
+    first: Vector
+    second: Vector
+    foot: Vector
+
+
+@njit(inline=True, bare=True)
+def place_on(ground: Ground, x: float, y: float) -> Vector:
+    """Return a point of the ground."""
+    return along(along(ground.foot, ground.first, x), ground.second, y)
+
+
+@njit(bare=True)
+def line_on(wall: Vector, ground: Ground) -> Line:
+    """Return two points of the line in which a plane through the com meets the ground."""
+    way = unit(cross(ground.normal, wall))
+    across = cross(way, ground.normal)
+    point = along(ground.foot, across, -dot(wall, ground.foot) / dot(wall, across))
+    if dot(cross(point, way), wall) < 0.0:
+        way = scale(way, -1.0)
+    return point, along(point, way, length(ground.foot))
+
+
+@njit(bare=True)
+def cut(region: Region, count: int, wall: Vector, line: Line, ground: Ground) -> int:
+    """Cut the polygon in row 0 of `Region.swung` by a wall; return how many corners it has.
+
+    The inner side of the wall through the com stays; over `line` the robot turns there.
+    """
+    old, new, kept = region.swung[0], region.swung[1], 0
+    side, plane = subtract(line[1], line[0]), cross(line[0], line[1])
+    a, b, c = dot(wall, ground.first), dot(wall, ground.second), dot(wall, ground.foot)
+    hair = SAME * ROW * length(ground.foot) * math.hypot(a, b)
+    left, back = -1, 1.0
+    for k in range(count):
+        here, there = old[k], old[(k + 1) % count]
+        inside, beyond = a * here.x + b * here.y + c, a * there.x + b * there.y + c
+        if inside >= -hair:
+            new[kept] = here
+            kept += 1
+        if (inside >= -hair) == (beyond >= -hair):
+            continue
+        part = min(max(inside / (inside - beyond), 0.0), 1.0)
+        x, y = here.x + part * (there.x - here.x), here.y + part * (there.y - here.y)
+        between = here.begin + part * (here.end - here.begin)
+        # How much nearer to the com the line is than the ground there: inverse, it is linear.
+        point = place_on(ground, x, y)
+        nearer = dot(cross(point, side), plane) / dot(plane, plane)
+        new[kept].x, new[kept].y = x, y
+        if inside >= -hair:
+            new[kept - 1].end = between
+            new[kept].begin, left = nearer, kept
+        else:
+            new[kept].begin, new[kept].end, back = between, here.end, nearer
+        kept += 1
+    if left >= 0:
+        new[left].end = back
+    for k in range(kept):
+        old[k] = new[k]
+    return kept
+
+
+@njit(bare=True)
+def without_short(region: Region, count: int, short: float) -> int:
+    """Leave out corners that are one with the next; return how many are left."""
+    swung, kept = region.swung[0], 0
+    for k in range(count):
+        after = (k + 1) % count
+        if math.hypot(swung[after].x - swung[k].x, swung[after].y - swung[k].y) > short:
+            swung[kept] = swung[k]
+            kept += 1
+    return kept
+
 
 # A pivot counts as at least this part of the com's height below it: seen from the com one that is
 # as high has no place on the ground.  A lower one holds less.
@@ -135,33 +202,24 @@ def _find_sides(
 
 
 @njit(bare=True)
-def _write_sides(region: Region, sides: int, pivot: int, axle: Axle) -> None:
-    """Write three rows for each side of the hull: two points, and a wall to add; see `_cut_sides`.
-
-    The walls of the region are scratch memory until the rests are known.
-    """
+def _cut_sides(
+    region: Region, count: int, sides: int, pivot: int, axle: Axle, ground: Ground
+) -> int:
+    """Cut the polygon by the sides of the hull; return how many corners it has."""
     for m in range(sides):
         a, b = region.ids[m], region.ids[(m + 1) % sides]
         start, stop = row(region.polygon, a), row(region.polygon, b)
-        write3(region.wall[3 * m], scale(subtract(start, axle.rest), axle.share))
-        write3(region.wall[3 * m + 1], scale(subtract(stop, axle.rest), axle.share))
-        # Through the hinge the axle's own weight turns the rest about any line but its own.
-        side = subtract(stop, start)
-        side = along(side, axle.way, -dot(side, axle.way))
-        turns = axle.mass * axle.share if pivot in (a, b) else 0.0
-        own = cross(side, subtract(axle.com, axle.pivot))
-        write3(region.wall[3 * m + 2], scale(own, turns))
-
-
-@njit(bare=True)
-def _cut_sides(region: Region, count: int, sides: int, ground: Ground) -> int:
-    """Cut the polygon by the sides of `_write_sides`; return how many corners it has."""
-    for m in range(sides):
-        line, more = (row(region.wall, 3 * m), row(region.wall, 3 * m + 1)), region.wall[3 * m + 2]
+        begin, end = subtract(start, axle.rest), subtract(stop, axle.rest)
+        line = scale(begin, axle.share), scale(end, axle.share)
         wall = cross(line[0], line[1])
         count = cut(region, count, wall, line, ground)
-        if more[0] != 0.0 or more[1] != 0.0 or more[2] != 0.0:
-            count = cut(region, count, add(wall, read3(more)), line, ground)
+        if pivot in (a, b) and axle.mass > 0.0:
+            # Through the hinge the axle's own weight turns the rest about any line but its own.
+            side = subtract(stop, start)
+            side = along(side, axle.way, -dot(side, axle.way))
+            own = cross(side, subtract(axle.com, axle.pivot))
+            wall = along(wall, own, axle.mass * axle.share)
+            count = cut(region, count, wall, line, ground)
     return count
 
 
@@ -221,16 +279,15 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     ends = support_contact(primitives, i, normal), support_contact(primitives, j, normal)
     axle, good = _read_axle(axles, k, ends, normal)
     others = mask & ~(1 << i | 1 << j)
-    sides, pivot = _find_sides(primitives, region, ground, others, axle)
-    if not good or sides == 0:
-        return -1
-    _write_sides(region, sides, pivot, axle)
     count = corners_of(primitives, mask, normal, ROW * same, region)
     for m in range(count):
         point, corner = support_contact(primitives, region.ids[m], normal), region.swung[0, m]
         corner.x, corner.y = dot(first, point), dot(second, point)
         corner.begin = corner.end = 1.0
-    count = _cut_sides(region, count, sides, ground)
+    sides, pivot = _find_sides(primitives, region, ground, others, axle)
+    if not good or sides == 0:
+        return -1
+    count = _cut_sides(region, count, sides, pivot, axle, ground)
     for load in (axle.pivot, axle.com, axle.pulled):
         count = _cut_axle(region, count, axle, load, ground)
     count = without_short(region, count, 10.0 * ROW * same)

@@ -2,10 +2,11 @@
 
 import math
 
+from lutgen.arrays import Floats, Ints, Vector
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact
 from lutgen.support.table import Region
-from lutgen.vector import Floats, Ints, Vector, along, cross, dot, row, subtract, unit
+from lutgen.vector import along, cross, dot, row, subtract, unit
 
 
 @njit(inline=True, bare=True)
@@ -24,7 +25,7 @@ def _left(flat: Floats, a: int, b: int, c: int) -> float:
 
 
 @njit(bare=True)
-def outline(flat: Floats, ids: Ints, count: int, slack: float) -> int:
+def outline(flat: Floats, ids: Ints, count: int, near: float) -> int:
     """Find the corners of the convex hull of points in a plane (Andrew's monotone chain).
 
     Parameters
@@ -36,7 +37,7 @@ def outline(flat: Floats, ids: Ints, count: int, slack: float) -> int:
         from the lowest on.
     count : int
         How many points.
-    slack : float
+    near : float
         A point nearer than this to another corner, or to the line between its neighbours, is no
         corner (length).
 
@@ -55,39 +56,39 @@ def outline(flat: Floats, ids: Ints, count: int, slack: float) -> int:
                 flat[at, axis], flat[at - 1, axis] = flat[at - 1, axis], flat[at, axis]
             ids[at], ids[at - 1] = ids[at - 1], ids[at]
             at -= 1
-    chain, held = ids[count:], 0
+    chain, kept = ids[count:], 0
     for half in range(2):
-        base = held
+        base = kept
         for step in range(count):
             k = step if half == 0 else count - 1 - step
-            while held - base > 1 and _left(flat, chain[held - 2], chain[held - 1], k) <= 0.0:
-                held -= 1
-            chain[held] = k
-            held += 1
-        held -= 1
+            while kept - base > 1 and _left(flat, chain[kept - 2], chain[kept - 1], k) <= 0.0:
+                kept -= 1
+            chain[kept] = k
+            kept += 1
+        kept -= 1
     at = 0
-    while at < held and held > 2:
-        a, b, c = chain[(at + held - 1) % held], chain[at], chain[(at + 1) % held]
+    while at < kept and kept > 2:
+        a, b, c = chain[(at + kept - 1) % kept], chain[at], chain[(at + 1) % kept]
         chord = math.hypot(flat[c, 0] - flat[a, 0], flat[c, 1] - flat[a, 1])
         step_before = math.hypot(flat[b, 0] - flat[a, 0], flat[b, 1] - flat[a, 1])
-        if step_before <= slack or _left(flat, a, b, c) <= slack * chord:
-            for k in range(at, held - 1):
+        if step_before <= near or _left(flat, a, b, c) <= near * chord:
+            for k in range(at, kept - 1):
                 chain[k] = chain[k + 1]
-            held -= 1
+            kept -= 1
             at = 0
         else:
             at += 1
     lowest = 0
-    for k in range(held):
+    for k in range(kept):
         chain[k] = ids[chain[k]]
         lowest = k if chain[k] < chain[lowest] else lowest
-    for k in range(held):
-        ids[k] = chain[(lowest + k) % held]
-    return held if held > 2 else 0
+    for k in range(kept):
+        ids[k] = chain[(lowest + k) % kept]
+    return kept if kept > 2 else 0
 
 
 @njit(bare=True)
-def corners_of(primitives: Floats, mask: int, normal: Vector, slack: float, region: Region) -> int:
+def corners_of(primitives: Floats, mask: int, normal: Vector, near: float, region: Region) -> int:
     """Leave in `region.ids` the primitives at the corners of a plane's polygon; return how many.
 
     `mask`: those that touch the plane; counter-clockwise seen from outside.
@@ -102,11 +103,11 @@ def corners_of(primitives: Floats, mask: int, normal: Vector, slack: float, regi
             # If contacts are one, the first counts, in every facet.
             fresh = True
             for other in range(count):
-                fresh &= max(abs(flat[other, 0] - x), abs(flat[other, 1] - y)) > slack
+                fresh &= max(abs(flat[other, 0] - x), abs(flat[other, 1] - y)) > near
             if fresh:
                 flat[count, 0], flat[count, 1], ids[count] = x, y, i
                 count += 1
-    return outline(flat, ids, count, slack) if count > 2 else 0
+    return outline(flat, ids, count, near) if count > 2 else 0
 
 
 @njit(inline=True, bare=True)

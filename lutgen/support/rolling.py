@@ -7,9 +7,10 @@ in g.
 
 import math
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, tangent_plane
-from lutgen.vector import Floats, Vector, add, along, between, cross, dot, scale, subtract, unit
+from lutgen.vector import add, along, between, cross, dot, scale, subtract, unit
 
 Places = tuple[Vector, Vector, Vector, Vector, Vector]
 # The integral of p dg for quartics through five even places is p_i BOOLE_ij g_j.

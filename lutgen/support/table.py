@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.primitive import RADIUS
-from lutgen.vector import Floats, Vector, dot, read3, row, scale, subtract
+from lutgen.vector import dot, read3, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 SAME = 1e-9
@@ -209,12 +210,6 @@ def is_same_rest(region: Region, here: int, k: int) -> bool:
     """Return True if an accepted facet is a rest of the group of rest k."""
     seat = region.seat
     return bool(seat[here].is_rest == 1 and seat[here].group == seat[k].group)
-
-
-@njit(inline=True, bare=True)
-def asks_nothing(accept: Acceptance) -> bool:
-    """Return True if every gap counts, for any turn."""
-    return accept.rock_angle == math.inf
 
 
 @njit(inline=True, bare=True)

@@ -8,16 +8,11 @@ Newton's method finds the plane again after it.
 import math
 from typing import NamedTuple
 
+from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.polygon import has_bit
-from lutgen.support.primitive import (
-    KIND,
-    RADIUS,
-    axle,
-    fill_contacts,
-    tangent_plane,
-)
-from lutgen.vector import Floats, Vector, along, cross, dot, length, row, scale, subtract, unit
+from lutgen.support.primitive import KIND, RADIUS, axle, fill_contacts, tangent_plane
+from lutgen.vector import along, cross, dot, length, row, scale, subtract, unit
 
 # The bits of all primitives.
 ALL = -1
@@ -51,12 +46,12 @@ class Limits(NamedTuple):
 
 
 @njit(bare=True)
-def touching(contacts: Floats, mask: int, normal: Vector, i: int, slack: float) -> int:
-    """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i.
+def touching(contacts: Floats, mask: int, normal: Vector, i: int, near: float) -> int:
+    """Return the bits of those in `mask` that reach to within `near` of a plane on primitive i.
 
     `contacts` (n, 3): where they touch a plane with that normal, of `fill_contacts`.
     """
-    level, found = dot(row(contacts, i), normal) - slack, 0
+    level, found = dot(row(contacts, i), normal) - near, 0
     for k in range(contacts.shape[0]):
         if has_bit(mask, k) and dot(row(contacts, k), normal) >= level:
             found |= 1 << k

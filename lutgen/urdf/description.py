@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from lutgen.vector import Vector
+from lutgen.arrays import Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 

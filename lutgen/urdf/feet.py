@@ -10,9 +10,10 @@ import math
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from lutgen.arrays import Floats, Ints
 from lutgen.urdf.description import Collision
 from lutgen.urdf.meshes import DIGITS
-from lutgen.vector import Floats, Ints, angles
+from lutgen.vector import angles
 
 # Directions of a fan, and of a turn in a plane; even, so that opposite ones are among them.
 RINGS, ROUND = 9, 1440

@@ -9,11 +9,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from lutgen.arrays import Floats, Vector
 from lutgen.errors import reject
 from lutgen.parts import Contact, Joint, Link
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import Motion
-from lutgen.vector import Floats, Vector, angles, axis_rotation, rotation
+from lutgen.vector import angles, axis_rotation, rotation
 
 # Rotation (3, 3) and origin (3,) of a link in the frame of the root.
 Place = tuple[Floats, Floats]

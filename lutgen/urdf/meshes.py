@@ -16,14 +16,13 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from lutgen import bounds
+from lutgen.arrays import Floats
 from lutgen.errors import InputError, optional
 from lutgen.urdf.description import Collision
 from lutgen.urdf.sources import Sources, quoted
 from lutgen.urdf.xml import LARGEST
-from lutgen.vector import Floats, rotation
+from lutgen.vector import rotation
 
-# Larger files are not read: they have more than a million triangles, and no foot needs that.
-MAX_BYTES = bounds.MESH_BYTES.most
 # Collada instantiates nodes of nodes: what a short file may become.
 MAX_NODES, MAX_CORNERS = 10_000, 4_000_000
 FORMATS = (".stl", ".obj", ".dae")
@@ -54,11 +53,7 @@ class Meshes:
             raise InputError(f"{shape.file}: has no scale of three numbers but 0")
         if np.abs(scale).max() > LARGEST:
             raise InputError(f"{shape.file}: has a scale beyond {LARGEST:g}")
-        unread = shape.file not in self._hulls
-        if unread and Path(shape.file).suffix.lower() not in FORMATS:
-            ending = Path(shape.file).suffix or "no ending"
-            raise InputError(f"{shape.file}: {ending} is none of {', '.join(FORMATS)}")
-        if unread:
+        if shape.file not in self._hulls:
             path = self.sources.file(shape.file)
             try:
                 self._hulls[shape.file] = _hull(_corners(path))
@@ -85,14 +80,9 @@ def _hull(corners: Floats) -> Floats:
 
 def _corners(path: Path) -> Floats:
     """Return the corners (n, 3) in a file, m; of Collada with its axes as they are, as in ROS."""
-    try:
-        with path.open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}") from None
-    if len(raw) > MAX_BYTES:
-        raise InputError(f"is longer than {MAX_BYTES} bytes")
-    kind = path.suffix.lower()[1:]
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"{path.suffix or 'no ending'} is none of {', '.join(FORMATS)}")
+    raw, kind = bounds.read(str(path), bounds.MESH_BYTES, InputError), path.suffix.lower()[1:]
     # An archive, also behind other bytes, unpacks to any size, and XML may define entities.
     if kind == "dae" and (zipfile.is_zipfile(io.BytesIO(raw)) or b"<!DOCTYPE" in raw):
         raise InputError("is an archive or has a document type declaration")

@@ -13,12 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lutgen import bounds
+from lutgen.arrays import Floats
 from lutgen.errors import RecipeError, optional, reject
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
 from lutgen.urdf.xml import parse_xml
-from lutgen.vector import Floats, angles, from_quaternion
+from lutgen.vector import angles, from_quaternion
 
 # Shapes by MuJoCo's numbers of geoms; lengths are halves there.
 SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")

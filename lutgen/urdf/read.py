@@ -13,20 +13,22 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
+from lutgen.arrays import Vector
 from lutgen.errors import suggestion
 from lutgen.parts import parents_first
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, parts_of_turns
-from lutgen.vector import Vector, angles, from_quaternion
+from lutgen.vector import angles, from_quaternion
 
 MAX_LINKS = bounds.LINKS.most
 VERSIONS = ("1", "1.0", "1.1", "1.2")
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
+# Attributes of each shape, and how many numbers each has.
 SHAPES = {
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),
-    "capsule": ("radius", "length"),
-    "box": ("size",),
+    "sphere": {"radius": 1},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "box": {"size": 3},
 }
 # Attributes and children of each element that are read, or that move neither masses nor contacts.
 # Anything else is reported.
@@ -142,10 +144,10 @@ class _Reader(Elements):
         shapes = self.shapes(element, "collision", where)
         looks = () if shapes else self.shapes(element, "visual", where)
         inertial = self.only(element, "inertial", where)
-        if inertial is None:
+        if element.find("inertial") is None:
             return UrdfLink(name, collisions=shapes, visuals=looks)
         mass = self.only(inertial, "mass", where)
-        if mass is None:
+        if inertial.find("mass") is None:
             way_out = "give it a mass or remove it"
             self.fail(where, "has an <inertial> without <mass>", "nothing", way_out)
         value = self.number(mass, "value", where)
@@ -164,18 +166,15 @@ class _Reader(Elements):
         """Read a <collision> or <visual>; a geometry of another kind keeps its name only."""
         where = f"{where}, {element.tag} {index}"
         geometry = self.only(element, "geometry", where)
-        shape = next(iter(geometry), None) if geometry is not None else None
-        kind = shape.tag if shape is not None else "nothing"
-        placed = self.placement(element, where)
-        if shape is not None and kind == "mesh":
+        shape = next(iter(geometry), Element("nothing"))
+        kind, placed = shape.tag, self.placement(element, where)
+        if kind == "mesh":
             # No number of a mesh that may not be needed is a reason to refuse the robot.
             file, scale = shape.get("filename", ""), floats(shape.get("scale", "1 1 1"))
             return Collision(kind, (), *placed, file, scale)
         size: tuple[float, ...] = ()
-        if shape is not None and kind == "box":
-            size = self.vector(shape, "size", where)
-        elif shape is not None:
-            size = tuple(self.number(shape, key, where) for key in SHAPES.get(kind, ()))
+        for key, count in SHAPES.get(kind, {}).items():
+            size += self.numbers(shape, key, where, count)
         if min(size, default=0.0) < 0.0:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
         note = "" if size else f"a shape of kind {kind!r} is not understood"
@@ -191,49 +190,46 @@ class _Reader(Elements):
         ends = []
         for tag in ("parent", "child"):
             part = self.only(element, tag, where)
-            if part is None or not part.get("link"):
+            if not part.get("link"):
                 way_out = f"write <{tag} link='...'/>"
                 self.fail(where, f"names no {tag} link", "nothing", way_out)
             ends.append(part.attrib["link"])
         axis = (1.0, 0.0, 0.0)
-        turned = self.only(element, "axis", where)
-        if turned is not None and kind not in ("fixed", "floating"):
-            x, y, z = self.vector(turned, "xyz", where, axis)
+        if kind not in ("fixed", "floating"):
+            x, y, z = self.vector(self.only(element, "axis", where), "xyz", where, axis)
             length = math.hypot(x, y, z)
             if not 0.0 < length < math.inf:
                 way_out = "write for example 0 1 0"
                 self.fail(where, "has an axis without direction", (x, y, z), way_out)
             axis = (x / length, y / length, z / length)
-        follows = None
-        if (mimic := self.only(element, "mimic", where)) is not None:
-            follows = Mimic(
-                mimic.get("joint", ""),
-                self.number(mimic, "multiplier", where, 1.0),
-                self.number(mimic, "offset", where, 0.0),
-            )
-        limit = self.only(element, "limit", where)
-        effort = floats(limit.get("effort", "")) if limit is not None else ()
+        mimic, limit = (self.only(element, tag, where) for tag in ("mimic", "limit"))
+        follows = Mimic(
+            mimic.get("joint", ""),
+            self.number(mimic, "multiplier", where, 1.0),
+            self.number(mimic, "offset", where, 0.0),
+        )
+        effort = floats(limit.get("effort", ""))
         return UrdfJoint(
             *(name, kind, ends[0], ends[1]),
             *self.placement(element, where),
             axis,
             *self.limits(limit, kind, where),
-            follows,
+            follows if element.find("mimic") is not None else None,
             effort[0] if effort else None,
             self.soft(element, where),
         )
 
-    def limits(self, limit: Element | None, kind: str, where: str) -> tuple[float, float]:
+    def limits(self, limit: Element, kind: str, where: str) -> tuple[float, float]:
         """Return the limits of a joint, or infinite ones.
 
         URDF's own default of a missing `lower` or `upper` is 0; a <limit> with neither sets effort
         and velocity alone.
         """
-        moving = limit is not None and kind in ("revolute", "prismatic")
-        if limit is None or not moving or not {"lower", "upper"} & limit.attrib.keys():
+        limited = kind in ("revolute", "prismatic") and {"lower", "upper"} & limit.attrib.keys()
+        if not limited:
             return -math.inf, math.inf
-        lower = self.number(limit, "lower", where, 0.0, infinite=True)
-        upper = self.number(limit, "upper", where, 0.0, infinite=True)
+        lower = self.number(limit, "lower", where, 0.0, math.inf)
+        upper = self.number(limit, "upper", where, 0.0, math.inf)
         if lower > upper:
             self.fail(where, "has a lower limit above the upper", (lower, upper), "swap them")
         if lower > LARGEST or upper < -LARGEST:
@@ -245,8 +241,6 @@ class _Reader(Elements):
     def soft(self, element: Element, where: str) -> tuple[float, float] | None:
         """Return the soft limits of a joint, or None; an empty range is None."""
         safety = self.only(element, "safety_controller", where)
-        if safety is None:
-            return None
         lower = self.number(safety, "soft_lower_limit", where, 0.0)
         upper = self.number(safety, "soft_upper_limit", where, 0.0)
         return (lower, upper) if lower < upper else None
@@ -254,8 +248,6 @@ class _Reader(Elements):
     def placement(self, element: Element, where: str) -> tuple[Vector, Vector]:
         """Return xyz and rpy of the <origin> of an element, or zeros."""
         origin = self.only(element, "origin", where)
-        if origin is None:
-            return ZERO, ZERO
         xyz = self.vector(origin, "xyz", where, ZERO)
         if (quat := origin.get("quat_xyzw")) is not None:
             values = floats(quat)

@@ -21,8 +21,6 @@ from lutgen.urdf.xml import parse_xml
 
 # A folder of ROS_PACKAGE_PATH holds packages, or repositories of packages.
 DEPTH = 3
-# A package.xml is a page of text.
-MAX_BYTES = 2**20
 # Characters that a message quotes of a failure elsewhere.
 LONGEST = 300
 
@@ -94,13 +92,10 @@ def _entries(variable: str) -> list[Path]:
 
 def _is_package(folder: Path, name: str) -> bool:
     """Return True if a folder has a package.xml of that name, as XML."""
-    file = folder / "package.xml"
+    file = str(folder / "package.xml")
     try:
-        if not file.is_file():
-            return False
-        with file.open("rb") as opened:
-            root = parse_xml(opened.read(MAX_BYTES), str(file))
-    except (OSError, RecipeError):
+        root = parse_xml(bounds.read(file, bounds.URDF_BYTES), file)
+    except RecipeError:
         return False
     return (root.findtext("name") or "").strip() == name
 

@@ -11,8 +11,8 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from lutgen import bounds
+from lutgen.arrays import Vector
 from lutgen.errors import RecipeError, reject
-from lutgen.vector import Vector
 
 MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
@@ -65,12 +65,24 @@ class Elements:
             self.fail(f"a <{element.tag}>", "has an unusable name", name, way_out)
         return name
 
-    def only(self, element: Element, tag: str, where: str) -> Element | None:
-        """Return the one child of that tag, or None."""
+    def only(self, element: Element, tag: str, where: str) -> Element:
+        """Return the one child of that tag, or one that says nothing."""
         found = element.findall(tag)
         if len(found) > 1:
             self.fail(where, f"has more than one <{tag}>", len(found), "keep one")
-        return found[0] if found else None
+        return found[0] if found else Element(tag)
+
+    def numbers(
+        self, element: Element, key: str, where: str, count: int, most: float = LARGEST
+    ) -> tuple[float, ...]:
+        """Return so many numbers of at most `most` from an attribute."""
+        text = element.get(key)
+        values = floats(text or "")
+        if len(values) != count or not all(abs(x) <= most for x in values):
+            noun, form = ("number", "one number") if count == 1 else ("vector", "three numbers")
+            way_out = f"write {key}='...' with {form} and blanks between several"
+            self.fail(where, f"<{element.tag}> has no {noun} as {key}", text, way_out)
+        return values
 
     def number(
         self,
@@ -78,30 +90,19 @@ class Elements:
         key: str,
         where: str,
         default: float | None = None,
-        infinite: bool = False,
+        most: float = LARGEST,
     ) -> float:
-        """Return a number of at most LARGEST from an attribute; `infinite` lets any through."""
-        text = element.get(key)
-        if text is None and default is not None:
+        """Return a number of at most `most` from an attribute."""
+        if default is not None and key not in element.attrib:
             return default
-        value = floats(text or "")
-        if len(value) != 1 or math.isnan(value[0]) or not (infinite or abs(value[0]) <= LARGEST):
-            way_out = f"write {key}='...' with one number"
-            self.fail(where, f"<{element.tag}> has no number as {key}", text, way_out)
-        return value[0]
+        return self.numbers(element, key, where, 1, most)[0]
 
-    def vector(
-        self, element: Element, key: str, where: str, default: Vector | None = None
-    ) -> Vector:
+    def vector(self, element: Element, key: str, where: str, default: Vector) -> Vector:
         """Return three numbers of at most LARGEST from an attribute."""
-        text = element.get(key)
-        if text is None and default is not None:
+        if key not in element.attrib:
             return default
-        value = floats(text or "")
-        if len(value) != 3 or not all(abs(x) <= LARGEST for x in value):
-            way_out = "write three numbers with blanks between them"
-            self.fail(where, f"<{element.tag}> has no vector as {key}", text, way_out)
-        return value[0], value[1], value[2]
+        x, y, z = self.numbers(element, key, where, 3)
+        return x, y, z
 
 
 def floats(text: str) -> tuple[float, ...]:

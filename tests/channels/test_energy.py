@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import measure_primitives
-from lutgen.support import acceptance
 from tests.fixtures.length import part
 from tests.oracles.primitives import unit
 from tests.oracles.standing import Standing
-from tests.support.postures import FAMILIES, asked, drawn, limits_of
+from tests.support.postures import FAMILIES, asked, drawn, limits_of, read
 
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -0.3, -0.5]])
@@ -79,11 +77,9 @@ def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(fa
     for seed in range(part(8, 4)):
         rng = np.random.default_rng(seed)
         rows = drawn(family, rng)
-        limits = limits_of(rows)
-        standing = Standing(rows, limits)
+        standing = Standing(rows, limits_of(rows))
         g = asked(standing, 16, rng)
-        accept = acceptance(*limits[:2], 0.0, *limits[2:])
-        found = measure_primitives(rows[None], g, ("energy_margin",), accept)["energy_margin"][0]
+        found = read(rows, g, ("energy_margin",))["energy_margin"]
         for k, direction in enumerate(g):
             walls = [unit(np.cross(f.points, np.roll(f.points, -1, 0))) for f in standing.rests]
             on = [i for i, wall in enumerate(walls) if (wall @ direction > 1e-6).all()]

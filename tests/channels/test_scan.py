@@ -1,23 +1,29 @@
-"""The float32 rows of a sweep against `measure_primitives`, node by node."""
+"""The float32 rows of a sweep against the exact channels, at every node."""
 
-import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
+import lutgen
+from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
-from lutgen.channels.scan import scan_part
+from lutgen.channels.scan import Scanner, scan_part
 from lutgen.chart import Chart
 from lutgen.quantities import CHANNELS
+from lutgen.recipe import start_recipe
 from lutgen.support import TIPS, acceptance, pack
+from tests.fixtures.commands import data, stdout
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
 
 FAST = ("sdg", "height", "tip_angle", "facet", "status")
+VERDICT = ("sdg", "tip_angle")
+TIP = CHANNELS.index("tip_angle")
 LIMITS = {
     "none": (None, None),
-    "default": (np.radians(90.0), np.radians(30.0)),
+    "default": (np.radians(80.0), np.radians(30.0)),
     "no rocking": (np.radians(180.0), 0.0),
 }
 CHARTS = {
@@ -25,58 +31,42 @@ CHARTS = {
     "steep cone": Chart("cone", 19, np.radians(84.0)),
     "sphere": Chart("sphere", 13),
 }
+ALL = pytest.mark.parametrize("limits", LIMITS.values(), ids=LIMITS)
 
 
-class Robots:
-    """Postures (m, n, ...) of one kind of robot, as `measure_primitives` takes them."""
-
-    def __init__(self, centre, radius=0.0, kind=0):
-        m, n = centre.shape[:2]
-        self.centre = centre
-        self.axis = np.zeros((m, n, 3))
-        self.radius = np.full(n, radius)
-        self.kind = np.full(n, kind, np.int64)
-        if kind == 2:
-            self.axis[:] = (0.0, 1.0, 0.0)
+def points(places):
+    """Return primitives (m, n, 8) of point contacts (m, n, 3)."""
+    return pack(places, np.zeros_like(places), 0.0, 0)
 
 
 def random_feet(seed, m, n):
     """Feet around and below the com, some of them above it."""
-    rng = np.random.default_rng(seed)
-    points = rng.normal(size=(m, n, 3)) * [1.0, 0.8, 0.4]
-    points[..., 2] -= 0.7
-    return Robots(points)
+    return points(
+        np.random.default_rng(seed).normal(size=(m, n, 3)) * [1.0, 0.8, 0.4] - [0, 0, 0.7]
+    )
 
 
 def random_wheels(seed, m, n):
     """Discs on parallel axles, roughly on one plane: their facets have gaps between them."""
-    rng = np.random.default_rng(seed)
-    points = rng.uniform(-1.0, 1.0, size=(m, n, 3))
-    points[..., 2] = rng.uniform(-0.75, -0.55, size=(m, n))
-    return Robots(points, 0.3, 2)
+    places = np.random.default_rng(seed).uniform([-1, -1, -0.75], [1, 1, -0.55], (m, n, 3))
+    return pack(places, np.broadcast_to([0.0, 1.0, 0.0], places.shape), 0.3, 2)
 
 
-def rows(robots, chart, bounds=(None, None), channels=FAST):
-    """Scan all rows of every posture, in three parts; return (m, rows, nodes) per channel."""
-    shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
-    lines, out = shape[0] * shape[1], np.full((len(CHANNELS), math.prod(shape)), 9e9, np.float32)
+def rows(primitives, chart, limits, channels=FAST):
+    """Scan all rows of every posture, in three parts; return (m, nodes) per channel."""
+    m, per_posture = len(primitives), chart.faces * chart.nodes
+    lines = m * per_posture
+    out = np.full((len(CHANNELS), lines * chart.nodes), 9e9, np.float32)
+    setting = Setting(acceptance(*limits), wanted_channels(channels))
     for begin, end in pairwise(part * lines // 3 for part in range(4)):
-        scan_part(
-            *(begin, end, pack(robots.centre, robots.axis, robots.radius, robots.kind)),
-            *(Setting(acceptance(*bounds), wanted_channels(channels)), nodes_of(chart)),
-            *((0, shape[1]), out),
-        )
-    return {name: out[CHANNELS.index(name)].reshape(shape) for name in channels}
+        scan_part(begin, end, primitives, setting, nodes_of(chart), (0, per_posture), out)
+    return {name: out[CHANNELS.index(name)].reshape(m, -1) for name in channels}
 
 
-def exact(robots, chart, bounds, channels=FAST):
-    """Return what `measure_primitives` says, in the same shape."""
-    primitives = pack(robots.centre, robots.axis, robots.radius, robots.kind)
-    got = measure_primitives(
-        primitives, chart.directions().reshape(-1, 3), channels, acceptance(*bounds)
-    )
-    shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
-    return {name: value.reshape(shape) for name, value in got.items()}
+def exact(primitives, chart, limits, channels=FAST):
+    """Return the exact channels, in the same shape."""
+    directions = chart.directions().reshape(1, -1, 3)
+    return measure_postures(primitives, directions, channels, acceptance(*limits))
 
 
 def assert_equal_within_float32(got, want):
@@ -102,17 +92,17 @@ def assert_one_verdict(got):
     assert not np.isnan(got["tip_angle"]).any()
 
 
-@pytest.mark.parametrize("bounds", LIMITS.values(), ids=LIMITS)
+@ALL
 @pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
 def test_rows_of_feet_and_of_wheels_with_gaps_equal_the_exact_channels_within_float32(
-    chart, bounds
+    chart, limits
 ):
     robots = [random_feet(100 + n, 12, n) for n in range(3, 9)]
     robots += [random_wheels(200 + n, 6, n) for n in (3, 4, 6)]
     tips = []
-    for kind in robots:
-        got = rows(kind, chart, bounds)
-        assert_equal_within_float32(got, exact(kind, chart, bounds))
+    for robot in robots:
+        got = rows(robot, chart, limits)
+        assert_equal_within_float32(got, exact(robot, chart, limits))
         assert_one_verdict(got)
         tips.append((got["tip_angle"] < 0.0).mean())
     # Both verdicts must occur, or the comparison would say little.
@@ -120,20 +110,21 @@ def test_rows_of_feet_and_of_wheels_with_gaps_equal_the_exact_channels_within_fl
 
 
 def test_rows_with_margins_equal_the_exact_channels_within_float32():
-    chart, bounds = CHARTS["cone"], LIMITS["default"]
-    for robots in (random_feet(303, 6, 3), random_feet(305, 6, 5)):
-        got = rows(robots, chart, bounds, CHANNELS)
-        assert_equal_within_float32(got, exact(robots, chart, bounds, CHANNELS))
+    for robot in (random_feet(303, 6, 3), random_feet(305, 6, 5)):
+        got = rows(robot, CHARTS["cone"], LIMITS["default"], CHANNELS)
+        want = exact(robot, CHARTS["cone"], LIMITS["default"], CHANNELS)
+        assert_equal_within_float32(got, want)
         assert_one_verdict(got)
         for name in ("margin", "energy_margin"):
             np.testing.assert_array_equal(got[name] < 0.0, got["tip_angle"] < 0.0)
 
 
-CUBE = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-OCTAHEDRON = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
-TETRAHEDRON = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
-PRISM = [[2, 0, z] for z in (-1, 1)] + [[-1, y, z] for y in (-1, 1) for z in (-1, 1)]
-CLOSED = {"cube": CUBE, "octahedron": OCTAHEDRON, "tetrahedron": TETRAHEDRON, "prism": PRISM}
+CLOSED = {
+    "cube": [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
+    "octahedron": [*np.eye(3).tolist(), *(-np.eye(3)).tolist()],
+    "tetrahedron": [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]],
+    "prism": [[x, y, z] for x, y in ((2, 0), (-1, -1), (-1, 1)) for z in (-1, 1)],
+}
 
 
 @pytest.mark.parametrize("solid", CLOSED.values(), ids=CLOSED)
@@ -141,10 +132,128 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid):
     # The edges of these solids run through nodes: u = 0, u = v, and the seams u = 1.  Scaled by
     # thirds the planes are not exact any more, and rounding decides.
     for factor in (1.0, 1.0 / 3.0, 0.1):
-        robots = Robots(np.array([solid], dtype=np.float64) * factor)
+        robot = points(np.array([solid], dtype=np.float64) * factor)
         for chart in (Chart("sphere", 9), Chart("sphere", 16), Chart("cone", 17, np.pi / 4)):
-            got = rows(robots, chart)
+            got = rows(robot, chart, LIMITS["none"])
             assert not np.isnan(got["sdg"]).any()
             assert (got["tip_angle"] == np.float32(np.pi)).all()
-            # Of facets that meet at a node the lower number has it, as in `measure_primitives`.
-            np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])
+            # Of facets that meet at a node the lower number has it.
+            np.testing.assert_array_equal(
+                got["facet"], exact(robot, chart, LIMITS["none"])["facet"]
+            )
+
+
+def in_steps(low, high, size, rng):
+    """Return numbers in steps of 5 cm, as people give positions of feet."""
+    return np.round(rng.uniform(low, high, size) / 0.05) * 0.05
+
+
+def corners_of(x, y):
+    """Return the corners (m, 4, 2) of rectangles from two x and two y each (m, 2)."""
+    return np.stack([np.stack([x[:, i], y[:, j]], -1) for i in (0, 1) for j in (0, 1)], 1)
+
+
+def polygons(count, corners, rng):
+    turn = np.arange(corners) * 2.0 * np.pi / corners
+    ring = np.stack([np.cos(turn), np.sin(turn)], -1)
+    return rng.uniform(0.1, 1.0, (count, 1, 1)) * ring + in_steps(-0.2, 0.2, (count, 1, 2), rng)
+
+
+def two_rows(count, length, rng):
+    x, y = in_steps(-0.6, 0.6, (count, length), rng), in_steps(0.05, 0.6, (count, 1), rng)
+    sides = [np.stack([x, np.broadcast_to(side, x.shape)], -1) for side in (y, -y)]
+    return np.concatenate(sides, 1)
+
+
+def on_level_ground(corners, height, rng):
+    """Return points that far below the com, each robot's in an order of chance."""
+    places = np.concatenate([corners, np.broadcast_to(-height, (*corners.shape[:2], 1))], -1)
+    return points(np.stack([rng.permutation(robot) for robot in places]))
+
+
+@pytest.mark.parametrize("limits", [LIMITS["none"], LIMITS["default"]], ids=["none", "default"])
+def test_10000_level_robots_in_any_order_of_contacts_have_the_exact_verdict_at_every_node(limits):
+    rng = np.random.default_rng(50)
+    robots = on_axis = 0
+    for nodes in (9, 17, 33):
+        chart = Chart("cone", nodes, np.radians(60.0))
+        shapes = [corners_of(*in_steps(-0.6, 0.6, (2, 1500, 2), rng))]
+        shapes += [polygons(300, n, rng) for n in (4, 5, 6, 8)]
+        shapes += [two_rows(300, n, rng) for n in (3, 4)]
+        heights = [rng.uniform(0.1, 0.9, (len(s), 1, 1)) for s in shapes]
+        heights[0] = in_steps(0.1, 0.9, heights[0].shape, rng)
+        # Rectangles whose sides are rows and columns of nodes; scaled by chance, rounding places a
+        # side on either side of its row.
+        scale = rng.uniform(0.1, 3.0, (200, 1, 1))
+        knots = rng.permuted(np.tile(chart.coords, (2, 200, 1)), axis=2)
+        shapes.append(corners_of(*np.sort(knots[..., :2])) * scale)
+        heights.append(scale)
+        for corners, height in zip(shapes, heights, strict=True):
+            robot = on_level_ground(corners, height, rng)
+            tips = rows(robot, chart, limits, VERDICT)["tip_angle"] < 0.0
+            angle = exact(robot, chart, limits, VERDICT)["tip_angle"]
+            np.testing.assert_array_equal(tips, angle < 0.0)
+            assert 0.05 < tips.mean() < 0.95
+            robots += len(robot)
+            on_axis += (np.abs(angle) < 1e-12).sum()
+    assert robots == 3 * 3500
+    # Nodes on a tip-over axis are what rounding can get wrong.
+    assert on_axis > 5000
+
+
+@pytest.mark.parametrize("path", sorted(MAPS.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
+    recipe = lutgen.load_recipe(path)
+    params = recipe.grid.params(np.arange(recipe.grid.size))
+    scanner = Scanner(recipe, recipe.chart, VERDICT)
+    directions = recipe.chart.directions().reshape(-1, 3)
+    for some in np.array_split(params, 1 + len(params) // 500):
+        out = np.empty((len(CHANNELS), len(some) * len(directions)), np.float32)
+        scanner.fill(some, 0, scanner.rows, out)
+        angle = lutgen.evaluate(recipe, some, directions, channels=("tip_angle",))["tip_angle"]
+        np.testing.assert_array_equal(out[TIP].reshape(angle.shape) < 0.0, angle < 0.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "height", "nodes"),
+    [
+        ((-0.23954196431732422, 0.3205070860690768), 0.24655697993049897, 0.3309982257650182, 17),
+        ((-200.06, 199.94), 150.0, 11.1, 33),
+    ],
+    ids=["a table", "a statue of millimetres"],
+)
+def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(x, y, height, nodes):
+    chart = Chart("cone", nodes, np.radians(60.0))
+    table = points(np.array([[[a, b, -height] for a in x for b in (-y, y)]]))
+    stands = rows(table, chart, LIMITS["default"], VERDICT)["tip_angle"] >= 0.0
+    u = chart.coords * height
+    inside = (np.abs(u)[:, None] <= y) & (x[0] <= u) & (u <= x[1])
+    np.testing.assert_array_equal(stands[0], inside.ravel())
+
+
+BODY = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0.02, -0.01, 0.85]\n'
+FEET = feet([(x, y, -0.1) for x in (-0.35, 0.35) for y in (-0.1, 0.1)])
+BOX = rigid(BODY + FEET, nodes=9, max_tilt=60.0)
+EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
+ARM = ["-p", "swing=-120", "-p", "shoulder=15", "-p", "elbow=-20"]
+
+
+@pytest.mark.parametrize(
+    ("text", "posture", "gravity", "tip"),
+    [
+        (BOX, [], "0,0.4330127018922192,-1", -16.8),
+        (start_recipe("arm"), ARM, "0,-0.541265877365,-1", -2.88),
+        # Its com is exactly above an edge.
+        (EDGE, [], "0,0,-1", 0.0),
+    ],
+    ids=["box", "arm", "edge"],
+)
+def test_a_map_says_whether_a_robot_tips_as_its_recipe_does(tmp_path, text, posture, gravity, tip):
+    recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
+    recipe.write_text(text)
+    lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    for source in (recipe, stability_map):
+        found = data("eval", source, *posture, "-g", gravity, code=3 if tip else 0)
+        assert found["tip_angle_deg"] == pytest.approx(tip, abs=0.1 if tip else 1e-6)
+    if not tip:
+        assert "tips over on level ground" not in stdout("limits", recipe)

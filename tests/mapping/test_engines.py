@@ -1,7 +1,6 @@
 """The engines: whoever computes the blocks, the file has the same bytes."""
 
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -15,11 +14,17 @@ import lutgen
 from lutgen.errors import InputError, SweepError
 from lutgen.mapping import dask as engine_dask
 from tests.fixtures.documents import blocks
-from tests.fixtures.places import ROOT
-from tests.fixtures.recipes import sweep_part, tripod
+from tests.fixtures.places import ROOT, VECTORS
+from tests.fixtures.recipes import parameter, sweep_part
 
-# 54 postures of 11 x 11 nodes in 27 blocks, two channels.
-RECIPE = lutgen.parse_recipe(tripod("reach = 9, swing = 6", nodes=11))
+# 54 postures of 11 x 11 nodes in 27 blocks, two channels.  The description is in no file that a
+# worker could open.
+TEXT = '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n'
+TEXT += parameter("arms", -45.0, 45.0)
+LINKS = ("left_arm", "right_arm", "left_wheel", "right_wheel")
+TEXT += "".join(f'[[robot.contact]]\nlink = "{link}"\n' for link in LINKS)
+ROVER = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
+RECIPE = lutgen.parse_recipe(TEXT + sweep_part("arms = 54", nodes=11), urdf=ROVER)
 SIZE, BLOCKS = 242, 27
 
 
@@ -183,22 +188,3 @@ def test_the_commands_of_the_page_on_scaling_run(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert "checksums: all good" in done.stdout
-
-
-def test_a_worker_gets_the_urdf_that_a_recipe_names(tmp_path, cluster):
-    shutil.copy(ROOT / "tests" / "vectors" / "rover.urdf", tmp_path)
-    (tmp_path / "rover.toml").write_text(
-        '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n'
-        '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
-        + "".join(
-            f'[[robot.contact]]\nlink = "{link}"\n'
-            for link in ("left_arm", "right_arm", "left_wheel", "right_wheel")
-        )
-        + sweep_part("arms = 3")
-    )
-    recipe = lutgen.load_recipe(tmp_path / "rover.toml")
-    (tmp_path / "rover.urdf").unlink()
-    lutgen.sweep(recipe, tmp_path / "here.h5", threads=1)
-    address = cluster.scheduler_address
-    lutgen.sweep(recipe, tmp_path / "there.h5", engine="dask", scheduler=address)
-    assert (tmp_path / "there.h5").read_bytes() == (tmp_path / "here.h5").read_bytes()

@@ -183,7 +183,7 @@ def test_a_power_cut_after_any_call_leaves_a_file_to_go_on_with(path, whole):
 def test_blocks_that_were_damaged_in_the_unfinished_file_are_computed_again(edit, path, whole):
     part = path.with_name("a.h5.part")
     struck(path, lambda count, name, real, *args: real(*args) if count < 30 else dies())
-    place = lutgen.load_map(path.with_name("whole.h5")).storage.places[0]
+    place = lutgen.load_map(path.with_name("whole.h5")).layout.places[0]
     data, size = bytearray(part.read_bytes()), 4 * NODES
     assert data[place : place + 7 * size] == whole[place : place + 7 * size]
     if edit == "flipped":

@@ -97,19 +97,20 @@ def without_inner(described: UrdfRobot) -> tuple[list[Contact], list[Contact]]:
     return [at_rest(c) for c in found], [at_rest(c) for c in inner]
 
 
-def kept(heights: list[float]) -> list[str]:
+@pytest.mark.parametrize(
+    ("heights", "outer"),
+    [
+        # _2 is a left wheel's outer rim, _1 a right wheel's: the inner ones lie between those.
+        ([0.1] * 6, "l0_2 l5_2 r0_1 r5_1"),
+        ([0.1, 0.1, 0.099, 0.1], "l0_2 l2_2 l3_2 r0_1 r2_1 r3_1"),
+        ([0.1, 0.101, 0.1, 0.1], "l0_2 l1_2 l3_2 r0_1 r1_1 r3_1"),
+    ],
+)
+def test_of_wheels_in_two_lines_the_outer_rims_of_the_ends_remain_and_those_out_of_line(
+    heights: list[float], outer: str
+) -> None:
     found, inner = without_inner(track(heights))
-    return [part.name for part in found if part not in inner]
-
-
-def test_of_twelve_wheels_in_two_lines_the_outer_rims_of_the_first_and_the_last_remain() -> None:
-    # _2 is a left wheel's outer rim, _1 a right wheel's: the inner ones lie between those.
-    assert kept([0.1] * 6) == ["l0_2", "l5_2", "r0_1", "r5_1"]
-
-
-def test_a_wheel_out_of_the_line_stays() -> None:
-    assert kept([0.1, 0.1, 0.099, 0.1]) == ["l0_2", "l2_2", "l3_2", "r0_1", "r2_1", "r3_1"]
-    assert kept([0.1, 0.101, 0.1, 0.1]) == ["l0_2", "l1_2", "l3_2", "r0_1", "r1_1", "r3_1"]
+    assert " ".join(part.name for part in found if part not in inner) == outer
 
 
 def test_a_wheel_that_moves_against_the_others_stays() -> None:

@@ -4,12 +4,14 @@ import math
 
 import numpy as np
 
+from lutgen.channels.evaluation import measure_postures
 from lutgen.support import FACETS, SHOWN, acceptance, empty_region, stand
 from tests.oracles.primitives import Floats, size_of, unit
 from tests.oracles.standing import Limits, Standing, facets_of
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 FAMILIES = ("points", "mixed", "cars", "leaning")
+CHANNELS = ("status", "tip_angle", "sdg", "height")
 EXACT = ("rectangle", "rows", "polygon", "repeated", "in line", "on an edge", "all but flat")
 
 
@@ -28,6 +30,16 @@ def limits_of(rows: Floats) -> Limits:
     """Return the limits that a recipe has if it says nothing."""
     size = size_of(rows)
     return Limits(math.radians(80.0), math.radians(30.0), 0.01 * size, 1e-4 * size)
+
+
+def read(
+    rows: Floats, g: Floats, channels: tuple[str, ...] = CHANNELS, limits: Limits | None = None
+) -> dict[str, Floats]:
+    """Return the channels (g,) of one posture, by default with the limits of `limits_of`."""
+    limits = limits or limits_of(rows)
+    accept = acceptance(*limits[:2], 0.0, *limits[2:])
+    found = measure_postures(np.ascontiguousarray(rows)[None], g[None], channels, accept)
+    return {name: values[0] for name, values in found.items()}
 
 
 def drawn(family: str, rng: np.random.Generator) -> Floats:

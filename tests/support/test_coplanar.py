@@ -8,32 +8,24 @@ import pytest
 from scipy.optimize import nnls
 
 import lutgen
-from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import DISC, SPHERE, acceptance, pack
+from lutgen.support import DISC, SPHERE, pack
 from lutgen.support.facets import SKEW
 from lutgen.support.primitive import POINT
 from tests.fixtures.odd_robots import odd_robot
 from tests.oracles.primitives import unit
 from tests.support.postures import (
+    CHANNELS,
     EXACT,
     assert_every_facet_once,
     below,
     drawn,
     exact,
-    limits_of,
+    read,
     rows_of,
 )
 
-CHANNELS = ("status", "tip_angle", "sdg", "height")
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-
-
-def read(rows, g):
-    """Return the channels of one posture with the limits that a recipe has by default."""
-    limits = limits_of(rows)
-    accept = acceptance(*limits[:2], 0.0, *limits[2:])
-    return {k: v[0] for k, v in measure_primitives(rows[None], g, CHANNELS, accept).items()}
 
 
 def points(*feet):

@@ -1,17 +1,19 @@
 """Contacts that another one covers: boxes whose corners lie on wheels, in any order and noise."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import ARCS, acceptance, empty_region, lies_within, pack, stand
 from tests.fixtures.odd_robots import boxed_tracks
+from tests.oracles.standing import Limits
 from tests.support.postures import DISC, POINT, SPHERE, below
+from tests.support.postures import read as posture_read
 
-LIMITS = acceptance(math.radians(80), math.radians(30), 0.0, 0.005, 5e-5)
+LIMITS = Limits(math.radians(80), math.radians(30), 0.005, 5e-5)
 CHANNELS = ("sdg", "tip_angle")
 ENDS = ("minimum", "maximum")
 DOWN = np.array([[0.0, 0.0, -1.0]])
@@ -34,9 +36,7 @@ def disc(x, y, z, radius, axis=(0, 1, 0)):
     return (x, y, z), axis, radius, DISC
 
 
-def read(primitives, g):
-    """Return |SD_g| and tip angle of one posture."""
-    return measure_primitives(np.ascontiguousarray(primitives)[None], g, CHANNELS, LIMITS)
+read = partial(posture_read, channels=CHANNELS, limits=LIMITS)
 
 
 def agree(one, other):
@@ -111,7 +111,7 @@ def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is():
 def test_contacts_keep_their_numbers_where_some_are_covered():
     corners = [point(x, y, -0.4) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
     region = empty_region(8)
-    stand(region, rows(*corners, *WHEELS), LIMITS)
+    stand(region, rows(*corners, *WHEELS), acceptance(*LIMITS[:2], 0.0, *LIMITS[2:]))
     # The wheels are 4 to 7; the corners on their rims carry nothing.
     named = region.source[region.arc[: region.counts[ARCS]]["contacts"]]
     assert set(named.ravel().tolist()) == {4, 5, 6, 7}
@@ -121,7 +121,7 @@ def test_a_rail_goes_on_to_the_wheel_that_it_begins_within():
     # At a pitch of -90 deg the corner at the wheel's foremost point and the wheel are level.
     side = [point(-0.25, 0.1, -0.35), disc(-0.2, 0.1, -0.35, 0.05), point(0.25, 0.1, -0.35)]
     robot = [((x, y * way, z), *rest) for (x, y, z), *rest in side for way in (1, -1)]
-    found = measure_primitives(rows(*robot)[None], DOWN, ("height",), LIMITS)
+    found = read(rows(*robot), DOWN, channels=("height",))
     # From the corners ahead, level with the wheels' centres 0.45 m behind, a tangent to the wheels.
     lean = math.asin(0.05 / 0.45)
     assert found["height"].item() == pytest.approx(0.35 * math.cos(lean) + 0.25 * math.sin(lean))

@@ -7,9 +7,7 @@ import pytest
 
 import lutgen
 from lutgen.channels import evaluate_each
-from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe import parse_recipe
-from lutgen.support import acceptance
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.recipes import contact, rigid
 from tests.support.postures import (
@@ -19,6 +17,7 @@ from tests.support.postures import (
     below,
     drawn,
     limits_of,
+    read,
     rows_of,
 )
 
@@ -80,10 +79,7 @@ def test_a_wider_least_rest_or_a_smaller_rock_angle_never_enlarges_the_region():
                 limits._replace(rest_width=limits.rest_width * (20.0 - 10.0 * change)),
             ):
                 loose, tight = (
-                    measure_primitives(
-                        rows[None], g, ("tip_angle",), acceptance(*of[:2], 0.0, *of[2:])
-                    )["tip_angle"][0]
-                    for of in (limits, strict)
+                    read(rows, g, ("tip_angle",), of)["tip_angle"] for of in (limits, strict)
                 )
                 assert not ((tight >= 0.0) & (loose < -1e-9)).any()
                 smaller += int(((tight < 0.0) & (loose >= 0.0)).sum())
@@ -156,3 +152,34 @@ def test_five_wheels_on_one_plane_but_for_noise_are_one_rest():
     near = np.concatenate([[posture], posture + 1e-5 * np.concatenate([np.eye(4), -np.eye(4)])])
     found = evaluate_each(rocker_bogie(), near, np.tile(g, (9, 1)), ("tip_angle",))
     np.testing.assert_allclose(found["tip_angle"], 0.15117, rtol=0.0, atol=2e-5)
+
+
+FEET = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (0.0, -0.6, 0.0))
+
+
+def stands(leaning, upright, discs=3):
+    """Tell whether a robot stands level on feet of which some are discs, `leaning` off a coin."""
+    a = math.radians(leaning)
+    feet = "".join(
+        contact(f"F{k}", place, 0.1, (0.0, math.sin(a), math.cos(a)))
+        if k < discs
+        else contact(f"F{k}", (*place[:2], -0.1 * math.sin(a)))
+        for k, place in enumerate(FEET)
+    )
+    body = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0, 0, 0.5]\n'
+    recipe = parse_recipe(rigid(body + feet, head=f"upright = {upright}"))
+    status = lutgen.evaluate(recipe, np.zeros((1, 0)), LEVEL, ("status",))["status"]
+    return status.item() == STANDS
+
+
+@pytest.mark.parametrize("discs", [1, 3])
+def test_nobody_stands_on_the_face_of_a_wheel(discs):
+    assert not stands(9.99, 80.0, discs)
+    assert stands(10.01, 80.0, discs)
+    # As for wheels on level axles, of which `upright` says the same.
+    assert not stands(4.99, 85.0, discs)
+    assert stands(5.01, 85.0, discs)
+    assert stands(10.01, 45.0, discs)
+    # A robot that may lie on its side may lie on its wheels.
+    assert stands(0.1, 90.0)
+    assert stands(0.1, 180.0)

@@ -11,7 +11,7 @@ from lutgen.analysis import Posture, ground_tilt
 from tests.fixtures.commands import data, stdout
 from tests.fixtures.recipes import contact, sweep_part
 
-SIDEWAYS, NONE = math.pi / 2.0, np.zeros((1, 0))
+NONE = np.zeros((1, 0))
 
 
 def tractor(pivot, com=(0.8, 0.0, 0.9), base=2.3, tracks=(0.8, 0.8), extra="", axle=0.0):
@@ -39,6 +39,12 @@ def tractor(pivot, com=(0.8, 0.0, 0.9), base=2.3, tracks=(0.8, 0.8), extra="", a
     return lutgen.parse_recipe(text + extra + sweep_part("", "cone", 17, 60.0, channels))
 
 
+def sideways(recipe):
+    """Return the tilt (deg) to the side at which a robot tips."""
+    found = ground_tilt(Posture(recipe, []))
+    return math.degrees(float(found.limits(np.array([0.5 * math.pi]))[0]))
+
+
 def polygon(pivot, com, base, tracks):
     """Return half planes (a, b, c), a x + b y + c <= 0, of where gravity must pierce the ground."""
     rear, front = tracks
@@ -50,16 +56,14 @@ def polygon(pivot, com, base, tracks):
 
 
 @pytest.mark.parametrize(
-    ("pivot", "sideways", "worst"),
+    ("pivot", "side", "worst"),
     [(None, 41.6, 41.6), (0.7, 38.5, 38.3), (0.5, 35.7, 35.2), (0.0, 30.1, 28.7)],
 )
-def test_a_tractor_tips_over_its_pivot(pivot, sideways, worst):
+def test_a_tractor_tips_over_its_pivot(pivot, side, worst):
     # Worked by hand: 0.8 (1 - 0.8 / x) / 0.9 with x = 0.8 + 1.5 * 0.9 / (0.9 - z).
-    found = ground_tilt(Posture(tractor(pivot), []))
-    assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
-        sideways, abs=0.06
-    )
-    assert math.degrees(found.guaranteed) == pytest.approx(worst, abs=0.06)
+    assert sideways(tractor(pivot)) == pytest.approx(side, abs=0.06)
+    guaranteed = ground_tilt(Posture(tractor(pivot), [])).guaranteed
+    assert math.degrees(guaranteed) == pytest.approx(worst, abs=0.06)
 
 
 def test_verdicts_are_those_of_a_polygon_made_by_another_way():
@@ -85,10 +89,7 @@ def test_verdicts_are_those_of_a_polygon_made_by_another_way():
 
 def test_a_narrow_axle_turns_over_its_own_wheel_before_the_robot_tips():
     # Its pivot is 0.7 high and its wheels are 0.3 from the middle: atan(0.3 / 0.7) = 23.2 deg.
-    found = ground_tilt(Posture(tractor(0.7, tracks=(0.8, 0.3)), []))
-    assert math.degrees(float(found.limits(np.array([SIDEWAYS]))[0])) == pytest.approx(
-        23.2, abs=0.02
-    )
+    assert sideways(tractor(0.7, tracks=(0.8, 0.3))) == pytest.approx(23.2, abs=0.02)
 
 
 def test_energy_and_margin_are_those_of_the_line_through_a_wheel_and_the_pivot():
@@ -114,11 +115,8 @@ def test_a_higher_pivot_holds_more_until_the_axle_turns_over_its_own_wheel():
 
 def test_the_weight_of_an_axle_does_not_hold_the_rest():
     # Its com is at the pivot: sideways the rest tips as if the axle had no weight.
-    limits = [
-        ground_tilt(Posture(tractor(0.5, axle=mass), [])).limits(np.array([SIDEWAYS]))[0]
-        for mass in (0.0, 900.0)
-    ]
-    assert limits[0] == pytest.approx(limits[1], abs=1e-9)
+    light, heavy = (sideways(tractor(0.5, axle=mass)) for mass in (0.0, 900.0))
+    assert light == pytest.approx(heavy, abs=1e-9)
 
 
 def test_the_centre_of_a_tractor_is_that_of_its_cut_triangle():
@@ -175,15 +173,13 @@ def test_check_says_which_contacts_swing(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "key"),
-    [('"front_left", "front_right"', "contacts[2]"), ("pivot", "pivot"), ("link", "link")],
+    ("old", "new", "key"),
+    [
+        ('"front_left", "front_right"', '"front_left", "front_left"', r"contacts\[2\]"),
+        ("pivot = [2.3, 0.0, 0.5]", "pivot = [2.3, 0.0]", "pivot"),
+        ('name = "front"\n', 'name = "front"\nlink = "chassis"\n', "link"),
+    ],
 )
-def test_a_wrong_axle_is_named(change, key):
-    text = tractor(0.5).text
-    wrong = {
-        "contacts[2]": text.replace('"front_left", "front_right"', '"front_left", "front_left"'),
-        "pivot": text.replace("pivot = [2.3, 0.0, 0.5]", "pivot = [2.3, 0.0]"),
-        "link": text.replace('name = "front"\n', 'name = "front"\nlink = "chassis"\n'),
-    }[key]
-    with pytest.raises(lutgen.RecipeError, match=rf"robot\.axle\[1\]\.{key.replace('[', '.')[:8]}"):
-        lutgen.parse_recipe(wrong)
+def test_a_wrong_axle_is_named(old, new, key):
+    with pytest.raises(lutgen.RecipeError, match=rf"robot\.axle\[1\]\.{key}`"):
+        lutgen.parse_recipe(tractor(0.5).text.replace(old, new))

@@ -108,23 +108,6 @@ def test_turning_mirroring_scaling_and_numbering_change_nothing_but_the_lengths(
 
 
 @bounded
-@given(real_robots, seeds)
-def test_without_limits_a_contact_more_never_hurts_and_one_above_a_table_is_none(contacts, seed):
-    gravity = assume_steady(contacts, directions(seed, 12))
-    rng = np.random.default_rng(seed)
-    more = judged(np.concatenate((contacts, rng.normal(size=(1, 3)))), gravity, None)["tip_angle"]
-    want = judged(contacts, gravity, None)["tip_angle"]
-    # The cone of the contacts grows; outside the angle is that to its planes, which turn.  1e-7 as
-    # above.
-    assert (more >= want - 1e-7)[want >= 0.0].all()
-    table = np.array([[1.0, 0.8, -0.9], [-1.0, 0.8, -0.9], [-1.0, -0.8, -0.9], [1.0, -0.8, -0.9]])
-    hovering = np.array([[*rng.uniform(-0.3, 0.3, 2), -0.8]])
-    upright = (radians(90.0), 0.0)
-    above = judged(np.concatenate((table, hovering)), gravity, upright)
-    assert_same(above, judged(table, gravity, upright))
-
-
-@bounded
 @given(real_robots, seeds, st.floats(-8.0, 0.5), st.sampled_from(["point", "ball", "disc"]))
 def test_tip_angle_changes_by_no_more_than_gravity_turns(contacts, seed, exponent, kind):
     start = directions(seed, 40)

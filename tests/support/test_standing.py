@@ -10,14 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from lutgen.channels.evaluation import measure_primitives
-from lutgen.support import acceptance
 from tests.fixtures.length import LONG
 from tests.oracles.primitives import Floats, size_of
 from tests.oracles.standing import ROCKS, TIPS, Standing
-from tests.support.postures import EXACT, FAMILIES, asked, drawn, exact, limits_of
+from tests.support.postures import EXACT, FAMILIES, asked, drawn, exact, limits_of, read
 
-CHANNELS = ("status", "tip_angle", "sdg", "height")
 # What straight sides of a gap may bulge beyond the curve, and 3e-5 deg of the oracle's polylines.
 BULGE = math.radians(1e-3)
 # What the sides of gaps are moved in by at the median, in 99 of 100 readings, and at most.
@@ -34,13 +31,6 @@ class Compared(NamedTuple):
     lever: Floats
 
 
-def read(rows, g, limits):
-    """Return lutgen's channels (4, m)."""
-    accept = acceptance(*limits[:2], 0.0, *limits[2:])
-    values = measure_primitives(rows[None], g, CHANNELS, accept)
-    return np.stack([values[name][0] for name in CHANNELS])
-
-
 @cache
 def compared(family):
     """Compare the postures of a family; lengths are divided by the size."""
@@ -53,7 +43,7 @@ def compared(family):
         standing = Standing(rows, limits)
         g = asked(standing, 200 if LONG else 100, rng)
         *values, lever = standing.read(g)
-        truth, found = np.stack(values), read(rows, g, limits)
+        truth, found = np.stack(values), np.stack([*read(rows, g, limits=limits).values()])
         truth[2:] /= size_of(rows)
         found[2:] /= size_of(rows)
         gaps = np.full(len(g), float(len(standing.gaps)))

@@ -2,13 +2,13 @@
 
 import io
 import math
-import re
 import time
 import zipfile
 
 import numpy as np
 import pytest
 
+from lutgen.bounds import Bound
 from lutgen.errors import InputError
 from lutgen.urdf.description import Collision
 from lutgen.urdf.feet import foot_of, wheel_of
@@ -144,10 +144,8 @@ HEADER = stl(box(1, 1, 1), claimed=10_000_000)
 def test_what_is_no_mesh_is_named_with_its_cause(name, content, said, tmp_path):
     if content is not None:
         (tmp_path / name).write_bytes(content)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=rf"\A.*({said}).*\Z"):
         corners(tmp_path, mesh(name))
-    assert re.search(said, str(caught.value))
-    assert "\n" not in str(caught.value)
 
 
 def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
@@ -161,10 +159,10 @@ def test_a_scale_that_is_none_a_folder_and_a_file_that_is_too_long_are_refused(
     with pytest.raises(InputError, match="there is no such file"):
         corners(tmp_path, mesh("b.stl"))
     size = (tmp_path / "a.stl").stat().st_size
-    monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size)
+    monkeypatch.setattr("lutgen.bounds.MESH_BYTES", Bound(size, "bytes"))
     assert len(corners(tmp_path, mesh("a.stl"))) == 8
-    monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", size - 1)
-    with pytest.raises(InputError, match=f"longer than {size - 1} bytes"):
+    monkeypatch.setattr("lutgen.bounds.MESH_BYTES", Bound(size - 1, "bytes"))
+    with pytest.raises(InputError, match=f"is too long .got more than {size - 1} bytes"):
         corners(tmp_path, mesh("a.stl"))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from lutgen.errors import RecipeError
 from lutgen.urdf.description import Mimic, UrdfRobot
-from lutgen.urdf.read import load_urdf, parse_urdf
+from lutgen.urdf.read import parse_urdf
 from tests.fixtures.robots import collision, joint, link, robot
 
 PAIR = link("base", 2.0) + link("arm", 1.0)
@@ -22,28 +22,6 @@ def refusal(content):
     assert text.endswith(".")
     assert "\n" not in text
     return text
-
-
-def test_links_hold_mass_com_and_placed_collision_shapes():
-    shapes = (
-        collision('sphere radius="0.25"', "1 2 3")
-        + collision('cylinder radius="0.5" length="2"', rpy="1.5 0 0")
-        + collision('box size="1 2 3"')
-        + collision('mesh filename="package://nowhere/../../etc/passwd"')
-    )
-    (found,) = parse_urdf(robot(link("base", 2.5, "0.1 0.2 0.3", shapes))).links
-    assert (found.mass, found.com) == (2.5, (0.1, 0.2, 0.3))
-    kinds = [(c.kind, c.size) for c in found.collisions]
-    assert kinds == [
-        ("sphere", (0.25,)),
-        ("cylinder", (0.5, 2.0)),
-        ("box", (1.0, 2.0, 3.0)),
-        ("mesh", ()),
-    ]
-    assert found.collisions[0].origin == (1.0, 2.0, 3.0)
-    assert found.collisions[1].rpy == (1.5, 0.0, 0.0)
-    # Without an <inertial> it weighs nothing.
-    assert parse_urdf(robot(link("base"))).links[0].mass == 0.0
 
 
 @pytest.mark.parametrize(
@@ -96,6 +74,8 @@ def turning(inside):
     return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
 
 
+ZEROS = robot(PAIR, TWO)
+TURNS = ('quat_xyzw="0 0 0 1" rpy="0 0 0"', 'quat_xyzw="0 0 0 0"')
 FAULTS = [
     (BOMB, "has a document type declaration"),
     (OUTSIDE, "has a document type declaration"),
@@ -145,6 +125,9 @@ FAULTS = [
     (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
     (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
     (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
+    *((ZEROS.replace('rpy="0 0 0"', turn), "no turn as quat_xyzw") for turn in TURNS),
+    (ZEROS.replace('rpy="0 0 0"', 'quat_wxyz="1 0 0 0"'), "unknown attribute quat_wxyz"),
+    (robot(PAIR, TWO).replace("<robot", '<robot version="2.0"'), "is not known (got '2.0')"),
 ]
 
 
@@ -154,12 +137,6 @@ def test_a_fault_is_refused_in_one_sentence(content, said):
     assert said in text
     # What was received is quoted, but not all of it.
     assert len(text) < 400
-
-
-def test_a_missing_file_and_a_folder_are_refused(tmp_path):
-    for path in (tmp_path / "none.urdf", tmp_path):
-        with pytest.raises(RecipeError, match="check the path"):
-            load_urdf(path)
 
 
 LITTLE = robot(link("base", 2.0))

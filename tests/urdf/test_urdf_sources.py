@@ -1,17 +1,22 @@
-"""Where packages are looked for, and xacro files that include over them."""
+"""Where packages are looked for, xacro files that include over them, and files with faults."""
 
 import json
+import random
+import re
 import shutil
 
 import pytest
 
 import lutgen
-from lutgen.errors import RecipeError
+from lutgen.errors import LutgenError, RecipeError
+from lutgen.propose import import_urdf
 from lutgen.urdf.read import load_urdf
 from lutgen.urdf.sources import Sources, load_xacro
+from lutgen.urdf.srdf import load_srdf
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.places import VECTORS
+from tests.fixtures.robots import broken
 
 SHARE = VECTORS / "xacro" / "share"
 ROBOTS = VECTORS / "xacro" / "robots"
@@ -110,8 +115,8 @@ def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_pat
     assert Sources(xml.parent / "urdf").package("a") == xml.parent
     # Without a package.xml that says so, a folder above the file is what it is called.
     assert Sources(xml.parent / "urdf").package("checkout-of-a") == xml.parent
-    for broken in ("", "<package>", "<package/>", "\0"):
-        xml.write_text(broken)
+    for content in ("", "<package>", "<package/>", "\0"):
+        xml.write_text(content)
         assert Sources(xml.parent / "urdf").package("a") is None
     for name in ("", ".", "..", "a/b", "../urdf"):
         assert Sources(xml.parent / "urdf").package(name) is None
@@ -156,3 +161,39 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
             load_xacro(file)
         assert said in str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+def stand(file):
+    """Import the quadruped as an SRDF file says that it stands."""
+    robot = load_urdf(VECTORS / "quadruped.urdf")
+    found = load_srdf(file, robot)
+    name = found.standing()
+    import_urdf(robot, posture=found.posture(name) if name else None)
+
+
+def expand(file):
+    """Import a xacro file."""
+    import_urdf(load_xacro(file, {name: SHARE / name for name in NAMES}))
+
+
+@pytest.mark.parametrize(
+    ("sound", "read", "count"),
+    [
+        ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 200),
+        ((VECTORS / "quadruped.srdf").read_text(), stand, 100),
+        ((ROBOTS / "crane.xacro").read_text(), expand, 60),
+    ],
+    ids=["urdf", "srdf", "xacro"],
+)
+def test_a_file_with_faults_is_read_or_refused_in_a_sentence(sound, read, count, tmp_path, capfd):
+    rng, file, said = random.Random(1), tmp_path / "broken", []
+    for _ in range(count):
+        file.write_bytes(broken(rng, sound))
+        try:
+            read(file)
+        except LutgenError as error:
+            said.append(str(error))
+    # Both happen, or the faults are too harsh or too mild to show anything.
+    assert count / 12 < len(said) < count
+    assert [words for words in said if not re.fullmatch(r".*broken.*\.", words)] == []
+    assert capfd.readouterr().err == ""
