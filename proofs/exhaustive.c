@@ -25,7 +25,7 @@ static inline float float_of(uint32_t bits)
 }
 
 /* All bit patterns of a float: what the guards let pass, and what of a parameter and of a direction is
- * kept.  The map: one axis from -1 to 2 with a slack of 0.01, a cone of 60 deg. */
+ * kept.  The map: one axis from -1 to 2 with a sensor tolerance of 0.01, a cone of 60 deg. */
 static void try_guards(void)
 {
   static const float limits[] = {1.0f, 1.7320508f};

@@ -74,7 +74,7 @@ typedef enum {
   SMAP_ROCKS = 1,     /* between rests: it rocks, but does not tip over */
   SMAP_TIPS = 2,      /* tips, or is so near that the map cannot exclude it */
   SMAP_OFF_CHART = 3, /* the map holds no such direction: taken as unsafe */
-  SMAP_OFF_RANGE = 4, /* a parameter is beyond its axis by more than a sensor's slack */
+  SMAP_OFF_RANGE = 4, /* a parameter is beyond its axis by more than a sensor's tolerance */
   SMAP_CORRUPT = 5,   /* the map in flash is not what was exported */
   SMAP_INVALID = 6    /* NaN, infinity, no gravity, no pose, too little memory for one */
 } smap_status_t;

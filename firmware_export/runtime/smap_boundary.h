@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+#include "smap_gaps.h"
 /* ---- boundary: the arcs around the rests and gaps of a posture --------------------------------------- */
 
 /* Add the boundary of a rest: of each edge all but what holds of it. */

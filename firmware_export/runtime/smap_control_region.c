@@ -28,8 +28,8 @@ enum { SMAP_TRIES = 1, SMAP_JUMPS = 1 };
 /* The rest that gravity pierces first in a pose, or SMAP_NONE. */
 static uint8_t smap_below(const smap_pose_memory_t *pose, const float g[3])
 {
-  float rate;
-  return pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
+  const int made = pose->head.status == SMAP_OK;
+  return made ? smap_pierced(&pose->at, &pose->region, g) : (uint8_t)SMAP_NONE;
 }
 
 /* The upward normal of the plane on which a pose stands under a direction; 0 where it stands on none. */
@@ -229,7 +229,7 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
       if (same) { /* as near as a step is */
         (void)smap_toward(control, posture, state->command, 1.0f, SMAP_ALL, to);
       } else {
-        for (i = 0; i < smap_joints(control); i++) { /* it may be off its axis by the slack of a sensor */
+        for (i = 0; i < smap_joints(control); i++) { /* it may be off its axis by the sensor's tolerance */
           to[i] = smap_on_axis(control, i, posture[i]);
         }
       }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+#include "smap_landing.h"
 /* ---- gaps: where the robot rocks from one rest to the next ------------------------------------------- */
 /* The gap of an edge is of the parts w of the way from which the robot stays, whichever way it rolls. */
 #define SMAP_SPARE 1e-4f     /* of the way, by which a limit is on the safe side */
@@ -50,13 +51,14 @@ static int smap_add_gap(smap_work_t *w, uint8_t e)
   gap->side = (uint8_t)(w->at->first[w->at->rests] + 2u * k);
   gap->place = w->at->places;
   for (side = 0; side < 2; side++) {
-    const float *const from = place[side ? 3 : 0], *const to = place[side ? 2 : 1];
+    const float *const from = place[3 * side], *const to = place[1 + side];
+    const float *const other = place[2 - 2 * side];
     float *const wall = w->region->wall[gap->side + side];
     float along[3];
     smap_minus(from, to, along);
     smap_cross(from, along, wall);
-    if (!smap_unit(wall) || !(smap_dot(wall, place[side ? 0 : 2]) > least) ||
-        !(smap_dot(wall, place[side ? 1 : 3]) > least)) {
+    if (!smap_unit(wall) || !(smap_dot(wall, other) > least) ||
+        !(smap_dot(wall, other + 3) > least)) {
       return 0;
     }
   }
@@ -80,7 +82,7 @@ static int smap_find_span(smap_work_t *w, uint8_t e, const float d[3], const flo
                           int slit, float span[2])
 {
   const uint8_t back = w->twin[e];
-  const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
+  const float *const normal[2] = {w->normal[w->rest[e]], w->normal[w->rest[back]]};
   const float size = SMAP_SIZE(w), turned2 = smap_dot(d, d);
   float half[2][3];
   smap_landing_t l;
@@ -90,13 +92,11 @@ static int smap_find_span(smap_work_t *w, uint8_t e, const float d[3], const flo
   }
   l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * (size * size);
   smap_find_half(w, e, d, half);
-  smap_roll(from, to, corner, half, corner + 2, &l);
-  if (!smap_land(w, back, &l, span)) {
-    return 0;
-  }
-  smap_roll(to, from, corner + 2, half, corner, &l);
-  if (!smap_land(w, e, &l, span)) {
-    return 0;
+  for (side = 0; side < 2; side++) { /* there, and back */
+    smap_roll(normal[side], normal[1 - side], corner + 2 * side, half, corner + 2 - 2 * side, &l);
+    if (!smap_land(w, side ? e : back, &l, span)) {
+      return 0;
+    }
   }
   for (side = 0; side < 2 && !slit; side++) {
     if (!smap_bring_in(corner, half, side, SMAP_LEANS * size, span)) {

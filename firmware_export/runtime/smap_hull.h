@@ -115,7 +115,8 @@ static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c
   }
   for (k = 0; k < tracks; k++) {
     const uint8_t i = h->disc[k];
-    const float high = smap_level(w, i, s, c) - (k > 0 && k + 1 < tracks ? SMAP_RECESS * SMAP_SIZE(w) : 0.0f);
+    const float recess = k > 0 && k + 1 < tracks ? SMAP_RECESS * SMAP_SIZE(w) : 0.0f;
+    const float high = smap_level(w, i, s, c) - recess;
     while (n > 1 && (level[n - 1] - level[n - 2]) * (y[n - 1] - w->p[i][1]) <=
                         (high - level[n - 1]) * (y[n - 2] - y[n - 1])) {
       n--;
@@ -130,7 +131,8 @@ static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c
   }
 }
 
-/* Let all that changes at a pitch change: bends, and which tracks are on the hull.  Returns whether any has. */
+/* Let all that changes at a pitch change: bends, and which tracks are on the hull.  Returns
+ * whether any has. */
 static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   const uint8_t tracks = SMAP_TRACKS_OF(w);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+#include "smap_region.h"
 /* ---- landing: from where on an edge of two rests a robot that rolls stays on the rest it comes to ------ */
 /* A balance on the contacts i and j at an edge of two rests is a part w of the way from i to j.  Let go there the
  * robot rolls to the one rest or the other, and lands: it stays if what its com has sunk by does not lift it over
@@ -121,11 +122,11 @@ static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
 /* Cut `span` down to what the rest holds that the robot comes to over its edge `came`; 0 where nothing is left. */
 static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, float span[2])
 {
-  const float doubt = l->doubt;
+  const float doubt = l->doubt, more = doubt + SMAP_JOINED * SMAP_SIZE(w) * SMAP_SIZE(w);
   uint8_t left = SMAP_MAX_CORNERS, e;
   for (e = smap_onward(w, came); e != came && left > 0; e = smap_onward(w, e), left--) {
     /* Rests that are one have planes of their own. */
-    l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * SMAP_SIZE(w) * SMAP_SIZE(w);
+    l->doubt = w->rest[e] == w->rest[came] ? doubt : more;
     if (!smap_hold(w, e, l, span)) {
       return 0;
     }

@@ -36,8 +36,8 @@ enum {
   SMAP_AT_GUARD_I = 28,
   SMAP_AT_LIMIT_I = 30,
   SMAP_AT_AXES = 32,
-  /* An axis has two ends, and is read beyond them by its slack, which also stands in steps.  A negative
-   * slack (65535 steps) says that the joint turns all the way round. */
+  /* An axis has two ends, and is read beyond them by the sensor tolerance, which also stands in
+   * steps.  A negative one (65535 steps) says that the joint turns all the way round. */
   SMAP_AXIS_MIN = 0,
   SMAP_AXIS_MAX = 4,
   SMAP_AXIS_SLACK = 8,
@@ -158,9 +158,9 @@ SMAP_PLAIN int smap_check_axes(const smap_t *map)
   for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const smap_bytes_t axis = smap_axis(map, i);
     const float low = smap_f32(axis + SMAP_AXIS_MIN), high = smap_f32(axis + SMAP_AXIS_MAX);
-    const float slack = smap_f32(axis + SMAP_AXIS_SLACK);
-    if (!smap_is_within(low, 1e6f) || !smap_is_within(high, 1e6f) || !smap_is_within(slack, 1e6f) ||
-        !smap_is_positive(high - low)) {
+    const float tolerance = smap_f32(axis + SMAP_AXIS_SLACK);
+    if (!smap_is_within(low, 1e6f) || !smap_is_within(high, 1e6f) ||
+        !smap_is_within(tolerance, 1e6f) || !smap_is_positive(high - low)) {
       return 0;
     }
   }

@@ -89,7 +89,7 @@ static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], u
     area += part;
     longest = smap_dot(a, a);
     other = smap_dot(b, b);
-    third = longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
+    third = longest + other - 2.0f * smap_dot(a, b); /* has all digits where it is the longest */
     longest = other > longest ? other : longest;
     longest = third > longest ? third : longest;
     wide |= part > 0.0f && part * part >= width * width * longest; /* across its longest side */

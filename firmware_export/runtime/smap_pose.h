@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+#include "smap_reading_i.h"
 /* ---- poses of many contacts: memory, and the functions behind smap.h ----------------------------------
  * The map adds to positions: eleven singles (the level axis of all discs, size, steepest, least height, rest
  * width, tolerance, rock chord, guard, off, turned: see smap_limits_t), tracks u8, the first contact of each track and
@@ -67,23 +68,13 @@ SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap
   return SMAP_OK;
 }
 
-static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
-{
-  uint8_t k;
-  for (k = 0; k < n; k++) {
-    const float x = v[k][0], y = v[k][1];
-    v[k][0] = x * m->axis[1] + y * m->axis[0];
-    v[k][1] = y * m->axis[1] - x * m->axis[0];
-  }
-}
-
 /* Turn a region from the frame of the axis into the body's. */
 static void smap_turn_region(const smap_limits_t *m, const smap_layout_t *at, smap_region_t *o)
 {
-  smap_turn_back(m, o->plane, at->rests);
-  smap_turn_back(m, o->centre, at->rests);
-  smap_turn_back(m, o->wall, (uint8_t)(at->first[at->rests] + 2u * at->gaps));
-  smap_turn_back(m, o->place, at->places);
+  smap_turn(o->plane, at->rests, -m->axis[0], m->axis[1]);
+  smap_turn(o->centre, at->rests, -m->axis[0], m->axis[1]);
+  smap_turn(o->wall, (uint8_t)(at->first[at->rests] + 2u * at->gaps), -m->axis[0], m->axis[1]);
+  smap_turn(o->place, at->places, -m->axis[0], m->axis[1]);
 }
 
 /* Make the region of contacts that are placed, in the frame of the axis; SMAP_TIPS where no direction stands. */
@@ -96,27 +87,8 @@ static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_r
   o->guard = m->guard;
   at->rests = at->gaps = at->arcs = at->nearly = at->first[0] = 0;
   smap_find_rests(work);
-  if (!smap_close(work)) {
-    at->rests = 0;
-    return SMAP_TIPS;
-  }
+  at->rests = smap_close(work) ? at->rests : (uint8_t)0;
   return at->rests != 0 ? (int8_t)SMAP_OK : (int8_t)SMAP_TIPS;
-}
-
-SMAP_APART static int8_t smap_make(const smap_t *map, const float *params, smap_layout_t *at, smap_region_t *o,
-                                   smap_work_t *work)
-{
-  int8_t status = smap_place(map, params, work);
-  smap_limits_t m;
-  if (SMAP_RARELY(status != SMAP_OK)) {
-    return status;
-  }
-  smap_limits(map, &m);
-  status = smap_make_region(&m, at, o, work);
-  if (SMAP_IS_TURNED(&m)) {
-    smap_turn_region(&m, at, o);
-  }
-  return status;
 }
 
 static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_reading_t *out)
@@ -159,10 +131,18 @@ static int8_t smap_run_at_i(const smap_pose_t *pose, const int16_t *gravity, sma
 static int8_t smap_pose_floats(const smap_t *map, const float *params, smap_pose_t *pose, uint16_t bytes, uint8_t forms)
 {
   smap_pose_memory_t *const many = (smap_pose_memory_t *)pose;
+  smap_limits_t m;
   if (!smap_begin(map, pose, bytes, forms, SMAP_FLOAT | SMAP_INTEGER, sizeof *many)) {
     return SMAP_INVALID;
   }
-  pose->status = smap_make(map, params, &many->at, &many->region, &many->rest.work);
+  smap_limits(map, &m);
+  pose->status = smap_place(map, params, &many->rest.work);
+  if (pose->status == SMAP_OK) {
+    pose->status = smap_make_region(&m, &many->at, &many->region, &many->rest.work);
+  }
+  if (SMAP_IS_TURNED(&m) && pose->status == SMAP_OK) {
+    smap_turn_region(&m, &many->at, &many->region);
+  }
   if ((forms & SMAP_INTEGER) && pose->status == SMAP_OK) {
     smap_make_i(&many->at, &many->region, smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP), &many->rest.whole);
   }

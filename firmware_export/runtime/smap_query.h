@@ -27,7 +27,8 @@ SMAP_INLINE int smap_unwind(float *x, float low, float high)
   return 1;
 }
 
-/* Check parameters and write them to q: as they are, beyond an axis by no more than its slack. */
+/* Check parameters and write them to q: as they are, beyond an axis by no more than the sensor
+ * tolerance. */
 SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
 {
   const uint8_t count = SMAP_BLOB(map)[SMAP_AT_PARAMS];
@@ -42,12 +43,13 @@ SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
     const float low = smap_f32(axis + SMAP_AXIS_MIN), high = smap_f32(axis + SMAP_AXIS_MAX);
     float x = params[i];
     if (SMAP_RARELY(smap_bits(x - low) > smap_bits(high - low))) { /* or below: the sign's bit */
-      const float slack = smap_f32(axis + SMAP_AXIS_SLACK);
+      const float tolerance = smap_f32(axis + SMAP_AXIS_SLACK);
       if (!smap_is_finite(x)) {
         return SMAP_INVALID;
       }
-      if (slack < 0.0f ? !smap_unwind(&x, low, high)
-                       : !smap_is_within(x < low ? low - x : x > high ? x - high : 0.0f, slack)) {
+      if (tolerance < 0.0f
+              ? !smap_unwind(&x, low, high)
+              : !smap_is_within(x < low ? low - x : x > high ? x - high : 0.0f, tolerance)) {
         return SMAP_OFF_RANGE;
       }
     }
@@ -64,12 +66,12 @@ SMAP_INLINE int8_t smap_range_q(const smap_t *map, const int16_t *params_q, int1
   q[0] = 0;
   SMAP_UNROLL
   for (i = 0; i < count; i++) {
-    const uint16_t slack = smap_u16(smap_axis(map, i) + SMAP_AXIS_SLACK_I);
+    const uint16_t tolerance = smap_u16(smap_axis(map, i) + SMAP_AXIS_SLACK_I);
     int32_t x = params_q[i];
     if (SMAP_RARELY(x < 0)) {
-      if (slack == 65535u) {
+      if (tolerance == 65535u) {
         x = x < -32767 ? 0 : x + 32767;
-      } else if (-x > (int32_t)slack) {
+      } else if (-x > (int32_t)tolerance) {
         return SMAP_OFF_RANGE;
       }
     }

@@ -10,9 +10,6 @@
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
-#include "smap_region.h"
-#include "smap_landing.h"
-#include "smap_gaps.h"
 #include "smap_boundary.h"
 #include "smap_hull.h"
 
@@ -136,17 +133,15 @@ static float smap_lay_out(smap_work_t *w, smap_hull_t *h)
   const float c = SMAP_BEFORE * m->steepest, s = -smap_root(1.0f - c * c);
   const float d = SMAP_EARLIER * m->steepest, early = -smap_root(1.0f - d * d);
   uint8_t k, i;
+  if (SMAP_IS_TURNED(m)) {
+    smap_turn(w->p, SMAP_CONTACTS(w), m->axis[0], m->axis[1]);
+  }
   for (k = 0; k < SMAP_TRACKS_OF(w); k++) {
     const uint8_t first = SMAP_FIRST(w)[k], end = SMAP_FIRST(w)[k + 1];
     float most = -SMAP_LARGEST;
     h->disc[k] = first; /* of places that are no numbers, too */
     for (i = first; i < end; i++) {
-      const float x = w->p[i][0], y = w->p[i][1];
       float level;
-      if (SMAP_IS_TURNED(m)) {
-        w->p[i][0] = x * m->axis[1] - y * m->axis[0];
-        w->p[i][1] = x * m->axis[0] + y * m->axis[1];
-      }
       w->p[i][1] = w->p[first][1];
       level = smap_level(w, i, s, c);
       if (level > most) {
@@ -194,6 +189,4 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
   w->full = 1;
 }
 
-#include "smap_reading.h"
-#include "smap_reading_i.h"
 #include "smap_pose.h"

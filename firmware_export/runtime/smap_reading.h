@@ -4,15 +4,15 @@
 #define SMAP_SINE 1e-6f  /* what rounding may alter of one, which near a right angle alters its angle by much more */
 #define SMAP_BEHIND 1e-5f /* a sine: an arc that is seen from as far behind is not what is nearest */
 
-/* The rest that a direction pierces first; `rate`: 1 / distance along it. */
-static uint8_t smap_pierced(const smap_layout_t *at, const smap_region_t *o, const float g[3], float *rate)
+/* The rest that a direction pierces first. */
+static uint8_t smap_pierced(const smap_layout_t *at, const smap_region_t *o, const float g[3])
 {
+  float rate = 0.0f; /* 1 / distance along it */
   uint8_t i, best = SMAP_NONE;
-  *rate = 0.0f;
   for (i = 0; i < at->rests; i++) {
     const float v = smap_dot(o->plane[i], g);
-    if (v > *rate) {
-      *rate = v;
+    if (v > rate) {
+      rate = v;
       best = i;
     }
   }
@@ -23,16 +23,17 @@ static uint8_t smap_pierced(const smap_layout_t *at, const smap_region_t *o, con
 static float smap_inside(const smap_layout_t *at, const smap_region_t *o, uint8_t rest, const float g[3],
                          uint8_t *which)
 {
+  const uint8_t end = at->first[rest + 1];
   float least = 1.0f;
-  uint8_t e;
-  *which = at->first[rest];
-  for (e = at->first[rest]; e < at->first[rest + 1]; e++) {
+  uint8_t e = at->first[rest], nearest = e;
+  for (; e < end; e++) {
     const float in = smap_dot(o->wall[e], g);
     if (!(in >= least)) {
       least = in;
-      *which = e;
+      nearest = e;
     }
   }
+  *which = nearest;
   return least;
 }
 
@@ -69,13 +70,13 @@ SMAP_INLINE float smap_beyond(const smap_region_t *o, const smap_arc_t *arc, con
 
 /* The distance (sine) of a direction from arcs, 1 where that is further than a right angle, and which is nearest.
  * `side`: 1 where the direction is in the region, and -1. */
-static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const float g[3], uint8_t from,
-                          uint8_t till, float side, uint8_t *which)
+static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const float g[3],
+                          const uint8_t ends[2], float side, const smap_arc_t **which)
 {
+  const smap_arc_t *arc = at->arc + ends[0], *const end = at->arc + ends[1];
   float least = 1.0f;
-  uint8_t k;
-  for (k = from; k < till; k++) {
-    float away = side * smap_dot(o->wall[at->arc[k].wall], g), beyond;
+  for (; arc < end; arc++) {
+    float away = side * smap_dot(o->wall[arc->wall], g), beyond;
     if (!(away >= -SMAP_BEHIND) && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) {
       continue;
     }
@@ -83,11 +84,11 @@ static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const
     if (!(away < least)) {
       continue;
     }
-    beyond = smap_beyond(o, &at->arc[k], g);
+    beyond = smap_beyond(o, arc, g);
     away += beyond * beyond;
     if (away < least) {
       least = away;
-      *which = k;
+      *which = arc;
     }
   }
   return smap_root(least);
@@ -108,27 +109,28 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   const float g[3] = {gravity[0] * size, gravity[1] * size, gravity[2] * size};
   const float guard = o->guard;
   float rate, tip, d[3];
-  uint8_t i, which, best = smap_pierced(at, o, g, &rate), arc = SMAP_NONE;
+  uint8_t i, which, rest, next = 0, best = smap_pierced(at, o, g);
+  const smap_arc_t *arc = 0;
   int8_t status = SMAP_OK;
   if (best == SMAP_NONE) {
     return smap_deny(out, -SMAP_PI, SMAP_TIPS);
   }
-  tip = smap_inside(at, o, best, g, &which);
-  if (tip < 0.0f && at->nearly) { /* planes that are all but one are in any order */
-    for (i = 0; tip < 0.0f && i < at->rests; i++) {
-      tip = smap_inside(at, o, i, g, &which);
-    }
-    best = tip < 0.0f ? best : (uint8_t)(i - 1u);
-    rate = smap_dot(o->plane[best], g);
-  }
+  i = best;
+  do { /* planes that are all but one are in any order */
+    rest = i;
+    tip = smap_inside(at, o, rest, g, &which);
+    i = next;
+  } while (tip < 0.0f && at->nearly && next++ < at->rests);
+  best = tip < 0.0f ? best : rest;
   if (tip >= 0.0f && at->own[best] != SMAP_NONE) {
-    arc = (uint8_t)(at->own[best] + which - at->first[best]);
+    arc = at->arc + at->own[best] + (which - at->first[best]);
   } else {
     const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;
+    const uint8_t ends[2] = {rocks ? (uint8_t)0 : at->from[best],
+                             rocks ? at->arcs : at->till[best]};
     status = tips ? SMAP_TIPS : tip >= guard ? SMAP_OK : SMAP_ROCKS;
     /* A direction that tips is measured to the island that it pierces.  A gap may belong to another island. */
-    tip = smap_nearest(at, o, g, rocks ? 0 : at->from[best], rocks ? at->arcs : at->till[best],
-                       tips ? -1.0f : 1.0f, &arc);
+    tip = smap_nearest(at, o, g, ends, tips ? -1.0f : 1.0f, &arc);
     tip = tips ? -tip : tip;
   }
   if (status == SMAP_TIPS || !(tip >= guard)) {
@@ -138,14 +140,14 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   } else {
     out->tip_angle = at->arcs ? smap_less(tip, guard) : 3.1415925f;
     out->height = o->height[best];
-    rate = 1.0f / rate;
+    rate = 1.0f / smap_dot(o->plane[best], g);
     SMAP_THRICE
     for (i = 0; i < 3; i++) {
       d[i] = rate * g[i] - o->centre[best][i];
     }
     out->sdg = smap_root(smap_dot(d, d));
   }
-  out->over[0] = arc != SMAP_NONE ? at->arc[arc].over[0] : SMAP_NONE;
-  out->over[1] = arc != SMAP_NONE ? at->arc[arc].over[1] : SMAP_NONE;
+  out->over[0] = arc != 0 ? arc->over[0] : (uint8_t)SMAP_NONE;
+  out->over[1] = arc != 0 ? arc->over[1] : (uint8_t)SMAP_NONE;
   return status;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+#include "smap_reading.h"
 /* ---- reading a region without float: raw counts of an accelerometer ------------------------------------ */
 /* Walls, planes and arcs are int16, 32767 for 1; products with gravity are summed in int32, which they never leave,
  * since both are at most 32768 sqrt(3) and 32767 long. */
@@ -46,10 +47,10 @@ SMAP_INLINE uint16_t smap_steps_i(float x, float most)
 /* Make the integer form of a region; `step` is that of lengths. */
 static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float step, smap_region_i_t *i)
 {
-  float least = 0.0f, factor;
+  float least = SMAP_LARGEST, factor;
   uint8_t k;
   for (k = 0; k < at->rests; k++) {
-    least = k == 0 || o->height[k] < least ? o->height[k] : least;
+    least = o->height[k] < least ? o->height[k] : least;
     i->height[k] = smap_steps_i(o->height[k] / step, 65534.0f);
   }
   smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre); /* a contact is at most 16,000 steps away */
@@ -75,15 +76,16 @@ SMAP_INLINE int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 static int32_t smap_inside_i(const smap_layout_t *at, const smap_region_i_t *o, uint8_t rest, const int32_t g[3],
                              int32_t least, uint8_t *which)
 {
-  uint8_t e;
-  *which = at->first[rest];
-  for (e = at->first[rest]; e < at->first[rest + 1]; e++) {
+  const uint8_t end = at->first[rest + 1];
+  uint8_t e = at->first[rest], nearest = e;
+  for (; e < end; e++) {
     const int32_t in = smap_dot_i(o->wall[e], g);
     if (in < least) {
       least = in;
-      *which = e;
+      nearest = e;
     }
   }
+  *which = nearest;
   return least;
 }
 
@@ -121,22 +123,22 @@ SMAP_INLINE int32_t smap_beyond_i(const smap_region_i_t *o, const smap_arc_t *ar
 /* As smap_nearest; |g| times the sine, rounded down.  In doubt about an arc that is so short that it has no digits
  * that what stands is nearer, and what tips further. */
 static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o, const int32_t g[3], uint32_t length,
-                              const uint8_t ends[2], int tips, uint8_t *which)
+                              const uint8_t ends[2], int tips, const smap_arc_t **which)
 {
   const int32_t doubt = tips ? SMAP_BEHIND_I : -SMAP_BEHIND_I;
+  const smap_arc_t *arc = at->arc + ends[0], *const end = at->arc + ends[1];
   uint32_t least = (length - 1u) * (length - 1u);
-  uint8_t k;
-  for (k = ends[0]; k < ends[1]; k++) {
-    const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
+  for (; arc < end; arc++) {
+    const int32_t away = smap_dot_i(o->wall[arc->wall], g) >> 15;
     uint32_t square = (uint32_t)away * (uint32_t)away, beyond;
     if (((tips ? away : -away) > SMAP_BEHIND_I && (SMAP_PIVOTS == 0 || at->nearly != SMAP_OVERLAP)) ||
         square >= least) {
       continue;
     }
-    beyond = (uint32_t)smap_beyond_i(o, &at->arc[k], g, doubt);
+    beyond = (uint32_t)smap_beyond_i(o, arc, g, doubt);
     if (beyond * beyond < least - square) {
       least = square + beyond * beyond;
-      *which = k;
+      *which = arc;
     }
   }
   return (int32_t)smap_whole_root(least);
@@ -172,7 +174,8 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
   const int32_t g[3] = {gravity[0], gravity[1], gravity[2]}; /* no store can alter it */
   int32_t rate = 0, tip;
-  uint8_t i, best = SMAP_NONE, which, arc = SMAP_NONE;
+  uint8_t i, rest, next = 0, best = SMAP_NONE, which;
+  const smap_arc_t *arc = 0;
   int8_t status = SMAP_OK;
   for (i = 0; i < at->rests; i++) {
     const int32_t v = smap_dot_i(o->plane[i], g);
@@ -184,19 +187,19 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
   if (best == SMAP_NONE) {
     return smap_deny_i(out, SMAP_TIPS);
   }
-  tip = smap_inside_i(at, o, best, g, all, &which);
-  if (tip < 0 && at->nearly) {
-    for (i = 0; tip < 0 && i < at->rests; i++) {
-      tip = smap_inside_i(at, o, i, g, all, &which);
-    }
-    best = tip < 0 ? best : (uint8_t)(i - 1u);
-    rate = smap_dot_i(o->plane[best], g);
-  }
+  i = best;
+  do {
+    rest = i;
+    tip = smap_inside_i(at, o, rest, g, all, &which);
+    i = next;
+  } while (tip < 0 && at->nearly && next++ < at->rests);
+  best = tip < 0 ? best : rest;
   if (tip >= 0 && at->own[best] != SMAP_NONE) {
-    arc = tip < all ? (uint8_t)(at->own[best] + which - at->first[best]) : (uint8_t)SMAP_NONE;
+    arc = tip < all ? at->arc + at->own[best] + (which - at->first[best]) : 0;
   } else {
     const int rocks = tip < 0 && smap_is_in_gap_i(at, o, g), tips = tip < 0 && !rocks;
-    const uint8_t ends[2] = {rocks ? (uint8_t)0 : at->from[best], rocks ? at->arcs : at->till[best]};
+    const uint8_t ends[2] = {rocks ? (uint8_t)0 : at->from[best],
+                             rocks ? at->arcs : at->till[best]};
     status = tips ? SMAP_TIPS : tip >= o->guard * size ? SMAP_OK : SMAP_ROCKS;
     tip = smap_nearest_i(at, o, g, length, ends, tips, &arc);
     tip = (tips ? -tip - 1 : tip) * SMAP_ONE_I;
@@ -210,9 +213,9 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
   } else {
     out->tip = (int16_t)tip;
     out->height = o->height[best];
-    out->sdg = smap_sdg_i(o, best, g, rate);
+    out->sdg = smap_sdg_i(o, best, g, smap_dot_i(o->plane[best], g));
   }
-  out->over[0] = arc != SMAP_NONE ? at->arc[arc].over[0] : (uint8_t)SMAP_NONE;
-  out->over[1] = arc != SMAP_NONE ? at->arc[arc].over[1] : (uint8_t)SMAP_NONE;
+  out->over[0] = arc != 0 ? arc->over[0] : (uint8_t)SMAP_NONE;
+  out->over[1] = arc != 0 ? arc->over[1] : (uint8_t)SMAP_NONE;
   return status;
 }

@@ -11,12 +11,14 @@
 #define SMAP_NONE 255u
 enum { SMAP_SINGLES = 44 }; /* bytes of a map's numbers of length and angle: see smap_pose.h */
 #define SMAP_WALLS (SMAP_MAX_CORNERS + 2 * SMAP_MAX_GAPS)
-#define SMAP_HELD_EDGES (SMAP_MAX_GAPS < 25 ? SMAP_MAX_GAPS : 25) /* each of four places, with numbers of 8 bits */
+/* Each has four places, with numbers of 8 bits. */
+#define SMAP_HELD_EDGES (SMAP_MAX_GAPS < 25 ? SMAP_MAX_GAPS : 25)
 #define SMAP_PLACES (SMAP_MAX_CORNERS + 4 * SMAP_HELD_EDGES)
 #define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
 #define SMAP_OVERLAP 2u   /* where rests may, as those on which axles swing */
-#define SMAP_SQUARE_LEAST 0x06800000u /* bits of 2^-114, the square of the least length that has a direction, */
-#define SMAP_SQUARE_MOST 0x78000000u  /* and of 2^113, of the greatest */
+/* Bits of 2^-114 and 2^113: the squares of the least and the greatest length that has a direction. */
+#define SMAP_SQUARE_LEAST 0x06800000u
+#define SMAP_SQUARE_MOST 0x78000000u
 
 /* The robot's numbers beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
  * which a roll ends elsewhere, also for each rad that it turns. */
@@ -61,7 +63,8 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_MAX_CONTACTS + (SMAP_DISCS > 0 ? SMAP_DISCS : 1)][3]; /* contacts, then axles of discs */
+  /* Contacts, and behind them the axles of discs. */
+  float p[SMAP_MAX_CONTACTS + (SMAP_DISCS > 0 ? SMAP_DISCS : 1)][3];
   float r[SMAP_MAX_CONTACTS];
   uint8_t axle_of[SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1], axles; /* SMAP_NO_AXIS for points and balls */
   float normal[SMAP_MAX_RESTS][3];
@@ -106,6 +109,17 @@ SMAP_INLINE void smap_mix(const float p[3], const float q[3], float part, float 
   }
 }
 
+/* Turn vectors about z. */
+static void smap_turn(float (*v)[3], uint8_t n, float sine, float cosine)
+{
+  uint8_t k;
+  for (k = 0; k < n; k++) {
+    const float x = v[k][0], y = v[k][1];
+    v[k][0] = x * cosine - y * sine;
+    v[k][1] = x * sine + y * cosine;
+  }
+}
+
 /* Scale a vector to length 1; 0 where it has no direction, or is no number. */
 static int smap_unit(float v[3])
 {
@@ -123,37 +137,34 @@ static int smap_unit(float v[3])
 
 #include "smap_polygon.h"
 
-/* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `near`:
- * how many contacts are on its plane, within the map's tolerance; SMAP_NONE: one is below it. */
+/* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else
+ * SMAP_NONE.  `near`: how many contacts are on its plane, within the map's tolerance; SMAP_NONE: one
+ * is below it. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id,
                              uint8_t count, uint8_t near)
 {
   const uint8_t r = w->at->rests, first = w->at->first[r];
   const float height = smap_dot(p[0], n);
   smap_region_t *const o = w->region;
-  uint8_t i, k;
-  int wide;
-  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || near == SMAP_NONE ||
+  float q[SMAP_MAX_CONTACTS][3];
+  uint8_t all[SMAP_MAX_CONTACTS], sides = count, i, k;
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) ||
+      count < 3 || near == SMAP_NONE ||
       SMAP_IS_FULL(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
       SMAP_IS_FULL(w, SMAP_OF_CORNERS, first + count - 1, SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
-  if (near <= count) {
-    wide = smap_measure(w, n, p, count, o->centre[r]);
-  } else { /* all of them make up the support polygon */
-    float q[SMAP_MAX_CONTACTS][3];
-    uint8_t all[SMAP_MAX_CONTACTS];
-    near = 0;
+  if (near > count) { /* all of them make up the support polygon */
+    sides = 0;
     for (i = 0; i < SMAP_CONTACTS(w); i++) {
-      smap_touch(w, i, n, q[near]);
-      if (smap_dot(q[near], n) >= height - w->map->tolerance) {
-        all[near++] = i;
+      smap_touch(w, i, n, q[sides]);
+      if (smap_dot(q[sides], n) >= height - w->map->tolerance) {
+        all[sides++] = i;
       }
     }
-    near = smap_outline(n, q, all, near);
-    wide = near > 2 && smap_measure(w, n, q, near, o->centre[r]);
+    sides = smap_outline(n, q, all, sides);
   }
-  if (!wide) {
+  if (sides < 3 || !smap_measure(w, n, near > count ? q : p, sides, o->centre[r])) {
     return SMAP_NONE;
   }
   for (i = 0; i < count; i++) {

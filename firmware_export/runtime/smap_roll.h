@@ -194,9 +194,10 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
     }
     for (tries = SMAP_ROLL_TRIES; tries > 0; tries--) {
       float m[3] = {start[0], start[1], start[2]};
-      const int settled = j == SMAP_NONE ? smap_settle(w, i, to, SMAP_NONE, d, m) : smap_settle(w, i, j, to, d, m);
+      const uint8_t second = j == SMAP_NONE ? to : j, third = j == SMAP_NONE ? j : to;
       uint8_t worst;
-      if (!settled) { /* it is all but where another touches, and rounding tells how the plane lies */
+      /* Where it fails it is all but where another touches, and rounding tells how the plane lies. */
+      if (!smap_settle(w, i, second, third, d, m)) {
         skip[to] = 1;
         (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
         break;

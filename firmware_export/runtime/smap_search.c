@@ -8,9 +8,6 @@
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
-#include "smap_region.h"
-#include "smap_landing.h"
-#include "smap_gaps.h"
 #include "smap_boundary.h"
 
 #define SMAP_FLAT 1e-6f   /* of a disc that lies flatter, the square of the sine to its axle */
@@ -157,7 +154,7 @@ static uint8_t smap_common(const smap_facet_t *f, const uint8_t *id, uint8_t cou
 
 /* The facet on the plane with normal n on three contacts, whose places are there: known, new, or SMAP_NONE.  All that
  * touches the plane is part of it, unless a facet has most of that already: then both are one rest. */
-static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t three[3])
+SMAP_APART static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t three[3])
 {
   smap_work_t *const w = s->w;
   const float top = smap_dot(s->there[three[0]], n) - SMAP_TOUCHES * SMAP_SIZE(w);
@@ -212,16 +209,16 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   return s->facets++;
 }
 
-/* The edge of a facet from contact i to j, or SMAP_NONE. */
-static uint8_t smap_edge_of(const smap_facet_t *f, uint8_t i, uint8_t j)
+/* The facet to which a plane with normal n, whose places are there, rolls over i and j: see
+ * smap_facet_on. */
+static uint8_t smap_roll_on(smap_search_t *s, const float n[3], uint8_t i, uint8_t j)
 {
-  uint8_t e;
-  for (e = 0; e < f->count; e++) {
-    if (f->id[e] == i && f->id[e + 1 < f->count ? e + 1 : 0] == j) {
-      return e;
-    }
-  }
-  return SMAP_NONE;
+  float m[3] = {n[0], n[1], n[2]}, b[3], t[3];
+  uint8_t three[3] = {i, j, SMAP_NONE};
+  smap_minus(s->there[j], s->there[i], b);
+  smap_cross(n, b, t);
+  three[2] = smap_unit(t) ? smap_tilt(s, i, j, b, t, m) : (uint8_t)SMAP_NONE;
+  return three[2] != SMAP_NONE ? smap_facet_on(s, m, three) : (uint8_t)SMAP_NONE;
 }
 
 /* Find a first facet: lower a level plane, tilt it towards the middle of all contacts onto a second one, and over both
@@ -249,15 +246,8 @@ static void smap_begin_search(smap_search_t *s)
   /* A rest on three has the edge between both, and leads to what is beyond it. */
   for (way = 0; way < 2 && j != SMAP_NONE && !(s->facets > 0 && s->facet[0].first != SMAP_NONE &&
                                                    s->facet[0].count == 3); way++) {
-    float m[3] = {n[0], n[1], n[2]};
     (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
-    smap_minus(s->there[way ? i : j], s->there[way ? j : i], b);
-    smap_cross(n, b, t);
-    k = smap_unit(t) ? smap_tilt(s, way ? j : i, way ? i : j, across, t, m) : (uint8_t)SMAP_NONE;
-    if (k != SMAP_NONE) {
-      const uint8_t three[3] = {i, j, k};
-      (void)smap_facet_on(s, m, three);
-    }
+    (void)smap_roll_on(s, n, way ? j : i, way ? i : j);
   }
 }
 
@@ -285,33 +275,24 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
     memcpy(s.here, s.there, sizeof s.here);
     for (e = 0; e < at->count; e++) {
       const uint8_t i = at->id[e], j = at->id[e + 1 < at->count ? e + 1 : 0];
-      uint8_t three[3] = {i, j, SMAP_NONE};
-      float n[3] = {at->n[0], at->n[1], at->n[2]}, b[3], t[3];
-      uint8_t to, back;
+      uint8_t to, first;
       if (at->first != SMAP_NONE && w->twin[at->first + e] != SMAP_NONE) {
         continue; /* the facet beyond was there before */
       }
       memcpy(s.there, s.here, sizeof s.there);
-      smap_minus(s.there[j], s.there[i], b);
-      smap_cross(n, b, t);
-      three[2] = smap_unit(t) ? smap_tilt(&s, i, j, b, t, n) : (uint8_t)SMAP_NONE;
-      if (three[2] == SMAP_NONE) {
-        continue;
-      }
-      to = smap_facet_on(&s, n, three);
+      to = smap_roll_on(&s, at->n, i, j);
       if (to == SMAP_NONE || to == f) {
         continue;
       }
-      back = smap_edge_of(&s.facet[to], j, i);
-      k = s.facet[to].first;
-      if (back != SMAP_NONE && at->first != SMAP_NONE && k != SMAP_NONE && w->twin[k + back] == SMAP_NONE) {
-        smap_pair(w, (uint8_t)(at->first + e), (uint8_t)(k + back));
+      first = s.facet[to].first;
+      for (k = 0; at->first != SMAP_NONE && first != SMAP_NONE && k < s.facet[to].count; k++) {
+        if (w->twin[first + k] == SMAP_NONE) {
+          smap_pair(w, (uint8_t)(at->first + e), (uint8_t)(first + k));
+        }
       }
     }
   }
   w->facets = s.facets;
 }
 
-#include "smap_reading.h"
-#include "smap_reading_i.h"
 #include "smap_pose.h"
