@@ -142,8 +142,8 @@ class Trials:
 
     def _assessed(self, export: Export) -> Candidate:
         """Measure an export: its bytes, with descriptors and code, and its answers."""
-        size, asked = flash_bytes(export), device(export)
-        seen = [asked.compare(known) for known in self.sample]
+        size, reader = flash_bytes(export), device(export)
+        seen = [reader.compare(known) for known in self.sample]
         # The certificate lowers tested tables until it finds none.
         wrong = 0 if export.tables.tested else sum(int(one.false_safe.sum()) for one in seen)
         return Candidate(
@@ -249,11 +249,11 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
         return ExportError(
             f"{where}: no codec could encode the robot (got {got}); choose another codec."
         )
-    asked, nearest = [], []
+    limits, nearest = [], []
     if goal.flash is not None:
-        asked.append(f"{goal.flash:,} bytes of flash")
+        limits.append(f"{goal.flash:,} bytes of flash")
     if goal.percent is not None:
-        asked.append(f"an error of {goal.percent:.3g} % of the range")
+        limits.append(f"an error of {goal.percent:.3g} % of the range")
     fitting = [one for one in usable if goal.fits(one)]
     if fitting:
         one = min(fitting, key=lambda one: one.error)
@@ -267,6 +267,6 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
     return ExportError(
-        f"{where}: no export meets the request (got {' and '.join(asked)}); the nearest that "
+        f"{where}: no export meets the request (got {' and '.join(limits)}); the nearest that "
         f"can be had: {'; '.join(nearest)}."
     )

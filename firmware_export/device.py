@@ -84,9 +84,9 @@ class ExportFolder:
 
     def recipe(self) -> Recipe:
         """Return the recipe that the report holds, its code left alone; refuse another one."""
-        held: Any = self.report.get("recipe")
+        stored: Any = self.report.get("recipe")
         try:
-            text, urdf = held["text"], held["urdf"]
+            text, urdf = stored["text"], stored["urdf"]
             name = f"{self._directory} (recipe inside)"
             recipe = parse_recipe(text, name, inert=True, urdf=urdf)
         except LutgenError:

@@ -135,26 +135,26 @@ def export(
     ExportError
         If nothing meets the request, or the folder cannot be written.
     """
-    tell = progress or log.debug
+    progress = progress or log.debug
     check_directory(directory, force)
     options = ExportOptions(
         name, flash, max_error, channels, codec, arithmetic, allow_python, points
     )
-    final = certified(source, options, tell)
-    tell("writing")
-    return Report(write(final, directory, tell, force))
+    final = certified(source, options, progress)
+    progress("writing")
+    return Report(write(final, directory, progress, force))
 
 
 def certified(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
     options: ExportOptions,
-    tell: Callable[[str], None] = log.debug,
+    progress: Callable[[str], None] = log.debug,
 ) -> Export:
     """Return the export of a source, chosen and certified, before it is written; see `export`."""
     load_library()  # what is certified with must be there before the minutes of a fit
     recipe = _recipe(source, options.allow_python)
     label = check_name(options.name) if options.name is not None else default_name(recipe.name)
-    held = _channels(recipe, options.channels)
+    channels = _channels(recipe, options.channels)
     flash, error = options.flash, options.max_error
     if flash is None and error is None:
         flash, error = recipe.export.flash, recipe.export.max_error
@@ -162,17 +162,17 @@ def certified(
     bound = None if error is None else parse_error(error)
     model = Model(recipe)
     codecs = usable(model, options.arithmetic, options.codec)
-    tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
-    trials = Trials(model, label, held, options.arithmetic)
+    progress(f"looking for the best of {', '.join(one.name for one in codecs)}")
+    trials = Trials(model, label, channels, options.arithmetic)
     nothing = size is None and bound is None
     bound = KNEE if nothing else bound
     try:
-        chosen, certificate = _certified(trials, codecs, size, bound, options.points, tell)
+        chosen, certificate = _certified(trials, codecs, size, bound, options.points, progress)
     except ExportError:
         if not nothing:
             raise
         bound = None
-        chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, tell)
+        chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, progress)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(trials.bounded[0], relative=True),
@@ -214,12 +214,12 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
     return recipe
 
 
-def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
+def _channels(recipe: Recipe, given: Sequence[str] | None) -> tuple[str, ...]:
     """Return the channels to hold, in the order of the runtime."""
-    held = [name for name in EXPORTABLE if name in recipe.channels]
-    if isinstance(asked, str):
-        asked = [name.strip() for name in asked.split(",")]
-    wanted = held if asked is None else list(asked)
+    stored = [name for name in EXPORTABLE if name in recipe.channels]
+    if isinstance(given, str):
+        given = [name.strip() for name in given.split(",")]
+    wanted = stored if given is None else list(given)
     for name in wanted:
         if name not in EXPORTABLE:
             raise InputError(
@@ -240,13 +240,13 @@ def _certified(
     size: int | None,
     bound: ErrorBound | None,
     points: int,
-    tell: Callable[[str], None],
+    progress: Callable[[str], None],
 ) -> tuple[Candidate, Certificate]:
     """Return the best candidate whose certificate meets the request, and that."""
     goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
-        tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
+        progress(f"certifying {chosen.label}, {chosen.total:,} bytes")
         export, certificate = guarded(chosen.export, trials, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
         chosen = replace(chosen, export=export)
@@ -291,11 +291,11 @@ def examine(
     export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
 ) -> Certificate:
     """Certify one export."""
-    asked = device(export)
+    reader = device(export)
     if export.tables.tested:
-        return put_to_test(asked, export.channels, bound, points, seed)
+        return put_to_test(reader, export.channels, bound, points, seed)
     cells = export.tables.cells(export.model)
-    return certify(asked, export.channels, cells, bound, points, seed, trials.jump)
+    return certify(reader, export.channels, cells, bound, points, seed, trials.jump)
 
 
 def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:

@@ -170,9 +170,9 @@ def certify(
         table[name] = _entry(every, statistics([even], name), span, jumps)
     searches = [search for search in (worst, attack) if search is not None]
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
-    held, text = "sdg" in channels, tuple[str, ...]()
-    beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if held else None
-    if height > 0.0 and held:
+    has_sdg, text = "sdg" in channels, tuple[str, ...]()
+    beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if has_sdg else None
+    if height > 0.0 and has_sdg:
         text = tuple(_about_jumps(model.recipe.length_unit, height, beyond, bound))
     return Certificate(
         points=sum(one.sample.points for one in seen),
@@ -214,7 +214,7 @@ def put_to_test(
 
     Then the table is lowered, and other points judge it.
     """
-    model, asked, wrong = reader.model, 0, list[tuple[Floats, Floats]]()
+    model, tested, wrong = reader.model, 0, list[tuple[Floats, Floats]]()
     parts = max(1, points * TIMES // (2 * PART))
     size = max(1, points * TIMES // (2 * parts))
     kept: list[dict[str, Floats]] = []
@@ -231,7 +231,7 @@ def put_to_test(
         for one in (even, reader.measure(biased(model, size, 1000 * seed + part))):
             at = np.argwhere(one.false_safe)
             wrong.append((one.sample.params[at[:, 0]], one.sample.gravity[at[:, 0], at[:, 1]]))
-            asked += one.sample.points
+            tested += one.sample.points
         if any(len(one[0]) for one in wrong):
             break
     every = {name: np.concatenate([one[name] for one in kept]) for name in kept[0]}
@@ -242,17 +242,17 @@ def put_to_test(
         tip = name == "tip_angle"
         span = 2.0 * MOST if tip else float(np.ptp(every[name])) if standing else 0.0
         table[name] = _entry(numbers, numbers, span, not tip)
-    held = "sdg" in channels
+    has_sdg = "sdg" in channels
     return Certificate(
-        points=asked,
+        points=tested,
         standing=standing,
         channels=table,
         false_safe=len(q),
         false_tip=refused / max(standing, 1),
-        jumps=held,
-        beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if held else None,
+        jumps=has_sdg,
+        beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if has_sdg else None,
         seed=seed,
-        text=_about_test(every["tip_angle off"], asked),
+        text=_about_test(every["tip_angle off"], tested),
         witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,
         wrong=(q, g) if len(q) else None,
     )

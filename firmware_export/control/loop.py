@@ -82,14 +82,14 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
         params[i] = posture
         down[i] = body_gravity(recipe, posture[None, :], ride.slope[i], LEANS)[0]
         up = -ride.size[i] * down[i] + rng.normal(0.0, 1.0, 3) * plant.noise
-        command, told, _ = controller.step(
+        command, said, _ = controller.step(
             posture[None, :],
             up[None, :],
             _turning(ride, down, i, cycle, plant)[None, :],
             desired=None if ride.driven is None else ride.driven[i : i + 1],
         )
         wanted[i] = command[0]
-        seen[:, i] = told["move"][0], told["alarm"][0], told["poses"][0]
+        seen[:, i] = said["move"][0], said["alarm"][0], said["poses"][0]
     return Loop(_judged(steering, ride, params, wanted, down), *seen)
 
 

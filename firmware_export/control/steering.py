@@ -43,22 +43,22 @@ def policy(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
     directory: str | os.PathLike[str],
     policy_options: PolicyOptions | None = None,
-    tell: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None] = lambda text: None,
     **options: Any,
 ) -> tuple[dict[str, Any], Design]:
     """Write a robot's map, its policy and the C that follows it into a folder.
 
     `source`, `directory` and `options` (name, flash, max_error, channels, codec, allow_python,
-    points) are those of `firmware_export.export`, and so are the errors; `tell` is called with a
-    text for people before each step.  Returns the content of NAME_report.json, the policy and what
-    it loses.
+    points) are those of `firmware_export.export`, and so are the errors; `progress` is called with
+    a text for people before each step.  Returns the content of NAME_report.json, the policy and
+    what it loses.
     """
     check_directory(directory)
-    export = certified(source, ExportOptions(**options), tell)
-    tell("looking for the best postures")
+    export = certified(source, ExportOptions(**options), progress)
+    progress("looking for the best postures")
     export, found = steered(export, policy_options or PolicyOptions())
-    tell("writing")
-    return write(export, directory, tell), found
+    progress("writing")
+    return write(export, directory, progress), found
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +85,8 @@ class Steering:
 def steering_in(directory: str | os.PathLike[str]) -> Steering:
     """Return what a folder of `lutgen policy` holds; refuse any other, and a changed one."""
     folder = ExportFolder(directory)
-    held: Any = folder.report.get("policy")
-    if held is None:
+    stored: Any = folder.report.get("policy")
+    if stored is None:
         raise InputError(
             f"{directory}: is an export without a policy (got no key policy in its report); write "
             "one that has it with `lutgen policy`."
@@ -98,8 +98,8 @@ def steering_in(directory: str | os.PathLike[str]) -> Steering:
             f"{recipe.python}); give its recipe with --allow-python."
         )
     try:
-        packed = base64.b64decode(held["blob"], validate=True)
-        cycle, latency = float(held["cycle_s"]), float(held["latency_s"])
+        packed = base64.b64decode(stored["blob"], validate=True)
+        cycle, latency = float(stored["cycle_s"]), float(stored["latency_s"])
         rates = _rates(packed, len(recipe.parameters)) / cycle
     except (KeyError, TypeError, ValueError, ZeroDivisionError, binascii.Error) as error:
         raise InputError(

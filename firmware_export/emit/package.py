@@ -167,19 +167,19 @@ def check_directory(
 def write(
     export: Export,
     directory: str | os.PathLike[str],
-    tell: Callable[[str], None] | None = None,
+    progress: Callable[[str], None] | None = None,
     force: bool = False,
 ) -> dict[str, Any]:
     """Write an export folder, after an earlier one there; return the content of NAME_report.json.
 
-    With `tell` what is written is first compiled and run, and `tell` is called with what came of
-    it. Refused are folders as by `check_directory`, those of another robot's export unless `force`,
+    With `progress` what is written is first compiled and run, and `progress` gets what came of it.
+    Refused are folders as by `check_directory`, those of another robot's export unless `force`,
     and, with an ExportError, what does not compile or run, or cannot be written.
     """
     path = check_directory(directory, force, export.recipe.name)
     files, content = contents(export)
-    if tell is not None:
-        tell(try_out(files, export.name))
+    if progress is not None:
+        progress(try_out(files, export.name))
     try:
         # It is gone afterwards, unless it was renamed.
         place = path if path.is_dir() else path.absolute().parent

@@ -149,8 +149,8 @@ def learn(model: Model) -> Lesson:
     chart = place[stands, -2:]
     low = np.maximum(np.floor(chart.min(axis=0)) - SPARE, 0.0).astype(np.float64)
     high = np.minimum(np.ceil(chart.max(axis=0)) + SPARE, WHOLE).astype(np.float64)
-    block, held = np.full(6, -1, np.int8), np.unique(face[stands])
-    block[held] = np.arange(len(held))
+    block, faces = np.full(6, -1, np.int8), np.unique(face[stands])
+    block[faces] = np.arange(len(faces))
     return Lesson(
         *(ground, low, high, block, bends(ground, low, high), Points(place, block[face], aim)),
         {"sdg": sdg, "height": height},
@@ -165,8 +165,8 @@ def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) 
         place, block = place.reshape(-1, place.shape[2]), lesson.block[face].ravel()
         said = train.read(values, Points(place, block, place[:, 0]), lattice)
         least = np.where(said >= STANDS, said, np.inf).reshape(face.shape)
-        asked = ASKED * AT_ONCE // len(x)
-        at = np.argpartition(least, asked, axis=1)[:, :asked]
+        chosen = ASKED * AT_ONCE // len(x)
+        at = np.argpartition(least, chosen, axis=1)[:, :chosen]
         rows = (np.arange(len(x))[:, None] * len(gravity) + at).ravel()
         fresh = Points(place[rows], block[rows], place[rows, 0])
         found.append(_lower(lesson, values, lattice, ground.params(x), gravity[at], fresh))
@@ -219,8 +219,8 @@ def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tu
     expected, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
     known = np.flatnonzero(np.isfinite(expected))
     step = float(expected[known].max()) / LARGEST or 1.0
-    held = lesson.points
-    points = Points(held.x[known], held.block[known], expected[known] / np.float32(step))
+    x, block, _ = lesson.points
+    points = Points(x[known], block[known], expected[known] / np.float32(step))
     values = np.full(blocks * int(np.prod(lattice.nodes)), points.aim.mean(), np.float32)
     course = Course(STEPS_LENGTHS, RATE, SQUARES, SQUARES, 0.0)
     values = train.descend(values, points, lattice, course, rng)

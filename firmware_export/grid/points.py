@@ -121,8 +121,8 @@ def turned(model: Model, order: tuple[int, int, int], points: tuple[Point, ...])
     for first in range(0, len(t), AT_ONCE):
         here = t[first : first + AT_ONCE]
         true = model.postures(model.at(here)).centres[:, list(order)]
-        held = np.stack([_read(one, here) for one in points], axis=1)
-        most = max(most, _above(true, held))
+        stored = np.stack([_read(one, here) for one in points], axis=1)
+        most = max(most, _above(true, stored))
     return MORE * most
 
 
@@ -135,11 +135,11 @@ def _read(point: Point, t: Floats) -> Floats:
     return np.asarray(interpn(knots, codes, t[:, list(point.axes)]))
 
 
-def _above(true: Floats, held: Floats) -> float:
+def _above(true: Floats, stored: Floats) -> float:
     """Return the largest angle (rad) of an arc (m, 3, 3) above the plane of stored points."""
     most = 0.0
     for i in range(3):
-        normal = np.cross(held[:, i - 1], held[:, i])
+        normal = np.cross(stored[:, i - 1], stored[:, i])
         ends = [true[:, j] / np.linalg.norm(true[:, j], axis=1, keepdims=True) for j in (i - 1, i)]
         size = np.linalg.norm(normal, axis=1)
         a, b = ((normal * end).sum(axis=1) / size for end in ends)

@@ -130,9 +130,9 @@ def stored(blob: Blob) -> dict[str, Any]:
     }
 
 
-def restored(held: Mapping[str, Any]) -> Blob:
+def restored(content: Mapping[str, Any]) -> Blob:
     """Return the blob that `stored` wrote; KeyError, TypeError or ValueError if it did not."""
-    packed = base64.b64decode(held["blob"], validate=True)
+    packed = base64.b64decode(content["blob"], validate=True)
     if zlib.crc32(packed[4:]).to_bytes(4, "little") != packed[:4]:
         raise ValueError("its CRC-32 is another")
-    return Blob(packed, (), int(held["codec"]), int(held["params"]), bool(held["integer"]))
+    return Blob(packed, (), int(content["codec"]), int(content["params"]), bool(content["integer"]))

@@ -32,19 +32,19 @@ class CArray:
 
     def __post_init__(self) -> None:
         found = np.asarray(self.values)
-        held = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
-        if not (np.isfinite(found).all() and (self.ctype == "float" or (held == found).all())):
+        stored = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        if not (np.isfinite(found).all() and (self.ctype == "float" or (stored == found).all())):
             raise InputError(
                 f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
                 "quantise them first."
             )
-        object.__setattr__(self, "values", held)
+        object.__setattr__(self, "values", stored)
 
     @property
     def packed(self) -> bytes:
         """The values as they stand in flash, little-endian."""
-        held = np.asarray(self.values)
-        return held.astype(held.dtype.newbyteorder("<")).tobytes()
+        stored = np.asarray(self.values)
+        return stored.astype(stored.dtype.newbyteorder("<")).tobytes()
 
     @property
     def bytes(self) -> int:
