@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = tuple[float, float, float]
+from lutgen.parts import Vector as Vector
+
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from lutgen.arrays import Vector
 from lutgen.errors import InputError
 
+# Here and not in `lutgen.arrays`: the help of the commands does without NumPy.
+Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
 # Share of a parameter's limits by which a value may be beyond them.
 ROUNDING = 1e-9
