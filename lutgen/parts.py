@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from lutgen.arrays import Vector
 from lutgen.errors import InputError
 
+# As `lutgen.arrays` has it, without which commands print their help: that needs numpy.
+Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
 # Share of a parameter's limits by which a value may be beyond them.
 ROUNDING = 1e-9
