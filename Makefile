@@ -104,8 +104,8 @@ clean: ## remove build/ and the caches, keep .venv
 	@$(VENV)
 	@$(if $(UV),,$(PIP) uv)
 	@$(call INSTALL,$(EXTRAS))
-	@$(BIN)/lutgen -q sweep maps/paper_two.toml -o build/maps/paper_two.h5 --force
-	@$(BIN)/lutgen -q export build/maps/paper_two.h5 -o build/maps/paper_two/firmware --force
+	@$(BIN)/lutgen -q export maps/paper_two.toml -o build/maps/paper_two/firmware --force & \
+	  $(BIN)/lutgen -q sweep maps/paper_two.toml -o build/maps/paper_two.h5 --force && wait $$!
 	@touch build/maps/paper_two/firmware.stamp $@
 
 .venv/.%: .venv/.installed

@@ -37,8 +37,9 @@ POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
 # rate in codes.
 STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
-# brought below STANDS, those of the sample and fresh ones.
-AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
+# brought below STANDS, those of the sample and fresh ones; by how many a fresh point that stands is
+# too high if it is lowered, too: 1 deg.
+AGAIN, BELOW, FURTHER, FAR = 2, 1.5, 3.0, 5.0
 # Directions drawn for a posture; those used, which only just stand; points in a round.
 POOL, ASKED, ROUND = 300, 30, 1_500_000
 # Points around one that was falsely safe: postures, directions of each; how near they are at most
@@ -48,8 +49,9 @@ NEAR_POSTURES, NEAR_DIRECTIONS = 3_000, 30
 NEAR, DECADES, ASIDE, CHAIN = 1 / 60, 2.5, (0.7, 4.0), 6
 # Points of a round that lie beside the boundary.
 BESIDE = 200_000
-# Rounds at most, and the false safes of one below which the next is left to the certificate.
-ROUNDS, FEW = 8, 2
+# Rounds at most, and the false safes of one below which the next is left to the certificate; the
+# code by which all are lowered then, because most of what is falsely safe is so by less.
+ROUNDS, FEW, SPARED = 4, 2, 1.0
 # Share of what stands that may be given up, and of points with which it is found.
 USELESS, JUDGED = 0.25, 400_000
 # Places of the chart beyond those where something stood.
@@ -180,7 +182,10 @@ def _lower(
     tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
     said = train.read(values, at, lattice).reshape(tip.shape)
     row, column = np.nonzero((tip < 0.0) & (said >= STANDS))
-    train.lower(values, Points(at.x, at.block, aims(tip).ravel()), lattice, True, FURTHER)
+    aim = aims(tip).ravel()
+    wrong = (aim < STANDS) | (said.ravel() > aim + FAR)
+    points = Points(at.x[wrong], at.block[wrong], aim[wrong])
+    train.lower(values, points, lattice, True, FURTHER)
     return params[row], gravity[row, column]
 
 
@@ -245,13 +250,12 @@ def fit(
     with ThreadPoolExecutor(max(1, len(lengths))) as pool:
         jobs = {name: pool.submit(train_length, lesson, lattice, blocks, name) for name in lengths}
         values = train_verdict(lesson, lattice, blocks)
-    settle(lesson, lattice, values, 3)
+    settle(lesson, lattice, values, 3, ROUNDS)
+    values = np.maximum(values - SPARED, 0.0)
     return lattice, values, {name: job.result() for name, job in jobs.items()}
 
 
-def settle(
-    lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int = ROUNDS
-) -> None:
+def settle(lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int) -> None:
     """Lower codes in place, round after round, until at most `FEW` points were falsely safe."""
     for turn in range(rounds):
         found = [

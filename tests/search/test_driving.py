@@ -151,6 +151,7 @@ def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
         ({"method": "guess"}, "unknown method 'guess'"),
         ({"speed": 1.0}, "need a speed, and a speed needs rates"),
         ({"rates": {"alpha": -1.0}, "speed": 1.0}, "rate of alpha must be 0 or more"),
+        ({"rates": {"alpah": 1.0}, "speed": 1.0}, "no parameter 'alpah' to limit"),
     ):
         with pytest.raises(InputError) as caught:
             drive(robot, FLAT, **options)  # type: ignore[arg-type]
