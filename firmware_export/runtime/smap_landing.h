@@ -25,7 +25,7 @@ static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], fl
   float n[3], v[3];
   uint8_t left;
   smap_mix(w->normal[w->rest[e]], w->normal[w->rest[w->twin[e]]], 0.5f, n);
-  for (left = 2;; left--) { /* one round of Newton's method: see smap_roll.h */
+  for (left = 2; left > 0; left--) { /* one round of Newton's method: see smap_roll.h */
     (void)smap_unit(n);
     smap_touch(w, contact[0], n, half[0]);
     smap_touch(w, contact[1], n, half[1]);

@@ -196,8 +196,7 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
       float m[3] = {start[0], start[1], start[2]};
       const uint8_t second = j == SMAP_NONE ? to : j, third = j == SMAP_NONE ? j : to;
       uint8_t worst;
-      /* Where it fails it is all but where another touches, and rounding tells how the plane lies. */
-      if (!smap_settle(w, i, second, third, d, m)) {
+      if (!smap_settle(w, i, second, third, d, m)) { /* it all but touches where another does */
         skip[to] = 1;
         (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
         break;
