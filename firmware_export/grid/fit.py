@@ -48,9 +48,8 @@ NEAR_POSTURES, NEAR_DIRECTIONS = 3_000, 30
 NEAR, DECADES, ASIDE, CHAIN = 1 / 60, 2.5, (0.7, 4.0), 6
 # Points of a round that lie beside the boundary.
 BESIDE = 200_000
-# Rounds at most, and the false safes of one below which the next is left to the certificate; the
-# code by which all are lowered then, because most of what is falsely safe is so by less.
-ROUNDS, FEW, SPARED = 4, 2, 1.0
+# Rounds at most, and the false safes of one below which the next is left to the certificate.
+ROUNDS, FEW = 4, 2
 # Share of what stands that may be given up, and of points with which it is found.
 USELESS, JUDGED = 0.25, 400_000
 # Places of the chart beyond those where something stood.
@@ -249,7 +248,6 @@ def fit(
         jobs = {name: pool.submit(train_length, lesson, lattice, blocks, name) for name in lengths}
         values = train_verdict(lesson, lattice, blocks)
     settle(lesson, lattice, values, 3, ROUNDS)
-    values = np.maximum(values - SPARED, 0.0)
     return lattice, values, {name: job.result() for name, job in jobs.items()}
 
 
