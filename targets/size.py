@@ -32,7 +32,7 @@ from tests.fixtures.exports import coded_export, tripod_export
 # What exports read instead of compiling.
 SIZES = ROOT / "firmware_export" / "runtime" / FILE
 BOARD = BOARDS[0]
-# Of string.h, which every C library has.
+# Functions of string.h, which every C library has.
 ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42, "SMAP_SERIES": 1}

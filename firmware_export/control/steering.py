@@ -35,7 +35,7 @@ def steered(export: Export, policy_options: PolicyOptions) -> tuple[Export, Desi
     """
     found = design(export.model, policy_options)
     blob = describe(export)
-    Controller(blob, found.policy.packed(blob.bytes))  # True if the C takes it
+    Controller(blob, found.policy.packed(blob.bytes))  # refuses what the C would not take
     return replace(export, policy=found.policy), found
 
 

@@ -179,10 +179,10 @@ def _lower(
     """Lower codes in place at points, which have no exact answer yet; return those falsely safe."""
     tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
     said = train.read(values, at, lattice).reshape(tip.shape)
-    row, column = np.nonzero((tip < 0.0) & (said >= STANDS))
-    tips = tip.ravel() < 0.0
-    points = Points(at.x[tips], at.block[tips], aims(tip[tip < 0.0]))
-    train.lower(values, points, lattice, True, FURTHER)
+    tips = tip < 0.0
+    row, column = np.nonzero(tips & (said >= STANDS))
+    falling = Points(at.x[tips.ravel()], at.block[tips.ravel()], aims(tip[tips]))
+    train.lower(values, falling, lattice, True, FURTHER)
     return params[row], gravity[row, column]
 
 

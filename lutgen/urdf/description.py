@@ -3,9 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from lutgen.arrays import Vector
-
-ZERO: Vector = (0.0, 0.0, 0.0)
+from lutgen.parts import ZERO, Vector
 
 
 @dataclass(frozen=True)

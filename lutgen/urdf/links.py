@@ -42,7 +42,7 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
     A joint held away from zero is part of its link's placement; `parameters` names free joints'.
-    For figures a link has the sides of its largest box.
+    A link that is one box has its sides, for figures.
     """
     require_mass(robot)
     described = {link.name: link for link in robot.links}
@@ -65,9 +65,9 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
 
 
 def _sides(link: UrdfLink) -> Vector | None:
-    """Return the sides of a link's only shape, a box about its com (a quarter off), along its axes.
+    """Return the sides, along a link's axes, of a box that is its only shape, or None.
 
-    None for any other link: a picture of it would be misleading.
+    None also if the com is off the middle by more than a quarter of a side: figures draw it there.
     """
     if len(link.collisions) != 1 or link.collisions[0].kind != "box" or not link.mass:
         return None

@@ -15,7 +15,8 @@ import numpy as np
 from lutgen import bounds
 from lutgen.arrays import Floats
 from lutgen.errors import RecipeError, optional, reject
-from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.parts import ZERO
+from lutgen.urdf.description import Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
 from lutgen.urdf.xml import parse_xml

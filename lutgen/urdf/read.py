@@ -15,8 +15,8 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.arrays import Vector
 from lutgen.errors import suggestion
-from lutgen.parts import parents_first
-from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.parts import ZERO, parents_first
+from lutgen.urdf.description import Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, parts_of_turns
 from lutgen.vector import angles, from_quaternion
 

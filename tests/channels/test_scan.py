@@ -137,7 +137,7 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid):
             got = rows(robot, chart, LIMITS["none"])
             assert not np.isnan(got["sdg"]).any()
             assert (got["tip_angle"] == np.float32(np.pi)).all()
-            # Of facets that meet at a node the lower number has it.
+            # A node at which facets meet belongs to the lower number.
             np.testing.assert_array_equal(
                 got["facet"], exact(robot, chart, LIMITS["none"])["facet"]
             )

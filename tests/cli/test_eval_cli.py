@@ -206,7 +206,7 @@ def test_eval_of_an_integer_export_gives_degrees_too(tmp_path):
     assert (report["status"], report["standing"]) == ("SMAP_OK", True)
     direction = [[[0.02, 0.01, -0.5]]]
     exact = export.model.exact([[0.3, math.radians(10.0)]], direction).tip_angle[0, 0]
-    # Of the sine, interpolated from below between few nodes.
+    # The table holds the sine, interpolated from below between few nodes.
     assert 0.5 * exact < math.radians(report["tip_angle_deg"]) <= exact
     for beyond in ("reach=-1", "reach=9"):
         below = data("eval", tmp_path / "whole", "-p", beyond, "-p", "swing=10", code=3)

@@ -174,7 +174,7 @@ def test_unfinished_work_is_neither_thrown_away_without_a_word_nor_followed():
     good("sweep", "r.toml", "-o", "a.h5", "--resume")
     good("sweep", "r.toml", "-o", "b.h5", "--force")
     assert Path("a.h5").read_bytes() == Path("b.h5").read_bytes()
-    # Of somebody else, and a link.
+    # A file of somebody else, and a link.
     Path("c.h5.part").write_bytes(MINE)
     Path("d.h5.part").symlink_to("r.toml")
     for name, more in (("c", ()), ("c", ("--resume",)), ("d", ("--resume",)), ("d", ("--force",))):

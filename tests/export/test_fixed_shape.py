@@ -15,7 +15,7 @@ from tests.fixtures.recipes import feet, rigid
 CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
 # Its centre of mass is below all contacts: no posture has a facet to make room for.
 HUNG = '[[robot.link]]\nname = "body"\nmass = 3.0\ncom = [0, 0, -2.0]\n'
-# Of three contacts as `grid` some level gave warnings; four did not export as `grid` at all.
+# Three contacts as `grid` gave warnings at some level; four did not export as `grid` at all.
 KINDS = [
     *((3, "", codec, "float") for codec in ("contacts", "grid")),
     (3, "", "grid", "integer"),

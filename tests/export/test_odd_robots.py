@@ -20,7 +20,7 @@ ONCE_WRONG = (7, 24, 32, 71, 80, 110, 438, 447, 466, 725, 748, 1392, 1737, 9012)
 # On parallel axles: a roll that was summed over the contact that goes the longer way (1045), gaps
 # whose far end a com just above its facets sees on the hither side (3271).
 ONCE_WRONG_RAILS = (1045, 3271)
-# Of any other: the first ones.
+# Any other robot: the first ones.
 ROBOTS = [(odd_robot, seed) for seed in sorted({*ONCE_WRONG, *range(2)})]
 ROBOTS += [(odd_rails, seed) for seed in sorted({*ONCE_WRONG_RAILS, *range(2)})]
 # Rolls of the C are parabolas, and its sides of gaps are brought in by products that are not
@@ -35,7 +35,7 @@ def test_no_robot_is_told_more_than_the_definition_says(make, seed):
     robot = Library(recipe)
     assert (len(robot.export.tables.many.first) > 1) == (make is odd_rails)
     found = compared(robot, params, near_and_far(recipe, params, rng, 40, 40), MORE)
-    # Of random robots some gaps and facets are given up, of those with a wheel on its face rests.
+    # Random robots give some gaps and facets up, those with a wheel on its face some rests.
     lying = seed in (24, 447, 725)
     assert (found.safe & found.stands).sum() > (0.0 if lying else 0.6) * found.stands.sum()
 

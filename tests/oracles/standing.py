@@ -30,7 +30,7 @@ from tests.oracles.primitives import (
 
 Bools = NDArray[np.bool_]
 STANDS, ROCKS, TIPS = 0, 1, 2
-# Of the size: lengths that differ by less are one.
+# A share of the size: lengths that differ by less are one.
 SAME = 1e-9
 # A corner stands out of its neighbours' line by more than this part of the size.
 ROW = 1e-8

@@ -128,7 +128,7 @@ def test_a_ball_beside_a_mesh_is_what_the_wheel_stands_on(folder):
     recipe, made = imported(car(collision('sphere radius="0.099"') + written("wheel.stl")))
     assert {c.radius for c in recipe.contacts} == {0.099}
     assert made.guessed == ()
-    # Of a ball that the mesh reaches well beyond, both.
+    # A ball that the mesh reaches well beyond counts beside it.
     recipe, made = imported(car(collision('sphere radius="0.09"') + written("wheel.stl")))
     assert {c.radius for c in recipe.contacts} == {0.09, 0.1}
 
