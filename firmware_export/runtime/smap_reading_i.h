@@ -63,8 +63,8 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float s
   i->shift = (uint8_t)(k > 143 && k < 173 ? k - 143 : 0); /* so that it is less than 2^17 */
   factor = smap_from_bits(smap_bits(factor) - ((uint32_t)i->shift << 23)) * 0.5f;
   i->mantissa = smap_steps_i(factor, 65535.0f);
-  factor = (o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f;
-  i->guard = (int16_t)(factor < 32767.0f ? factor : 32767.0f); /* that of a damaged map may be more */
+  factor = (o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 0.5f; /* rounded up */
+  i->guard = (int16_t)smap_steps_i(factor, 32767.0f); /* that of a damaged map may be more */
 }
 
 SMAP_INLINE int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
