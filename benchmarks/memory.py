@@ -19,7 +19,7 @@ from lutgen.channels.scan import scan
 from lutgen.chart import Chart, unit_directions
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import FACETS, Acceptance, acceptance, empty_region, stand
+from lutgen.support import FACETS, Acceptance, Region, acceptance, empty_region, stand
 from lutgen.vector import Floats
 
 # 64 MiB of float32 for each channel, more than the caches hold.
@@ -93,9 +93,8 @@ def agree(ours: NDArray[np.floating], theirs: NDArray[np.floating]) -> None:
 
 
 @njit()
-def find_all(primitives: Floats, accept: Acceptance) -> int:
+def find_all(region: Region, primitives: Floats, accept: Acceptance) -> int:
     """Find facets and region of every posture; return how many facets."""
-    region = empty_region(primitives.shape[1])
     found = 0
     for m in range(primitives.shape[0]):
         stand(region, primitives[m], accept)
@@ -116,7 +115,9 @@ def facets() -> Iterator[Row]:
                 primitives = wheel_shapes(kind, n, m)
             accept = acceptance(*(angles or (None, None)))
             sweep, _ = sweep_run(primitives, Chart("sphere", 13), ("sdg",), angles)
-            search, whole = interleave(partial(find_all, primitives, accept), sweep)
+            search, whole = interleave(
+                partial(find_all, empty_region(n), primitives, accept), sweep
+            )
             yield Row(f"{n} {KIND_NAMES[kind]}: facets", 1, search / m, "whole sweep", whole / m)
 
 

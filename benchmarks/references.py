@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Ints, Singles
+from lutgen.channels import region_of
 from lutgen.jit import njit
-from lutgen.support import ACCEPTED, ARCS, Acceptance, empty_region, rests_at, stand
+from lutgen.support import ACCEPTED, ARCS, Acceptance, Region, empty_region, rests_at, stand
 
 COMMAND = ("cc", "-O3", "-march=native", "-shared", "-fPIC")
 PARTS = 16
@@ -36,10 +37,8 @@ class Planes(NamedTuple):
 
 
 @njit()
-def _copy(
-    primitives: Floats, accept: Acceptance, facets: Floats, walls: Floats, first: Ints, counts: Ints
-) -> None:
-    region = empty_region(primitives.shape[1])
+def _copy(region: Region, primitives: Floats, accept: Acceptance, planes: Planes) -> None:
+    facets, walls, first, counts = planes
     for m in range(primitives.shape[0]):
         stand(region, primitives[m], accept)
         counts[m] = region.counts[ACCEPTED]
@@ -67,14 +66,13 @@ def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
         np.zeros((m, 2 * n + 1), np.int64),
         np.zeros(m, np.int64),
     )
-    _copy(primitives, accept, *result)
+    _copy(empty_region(n), primitives, accept, result)
     return result
 
 
 def tip_over_axes(contacts: NDArray[np.float64], accept: Acceptance) -> NDArray[np.float64]:
     """Return start, stop and inward normal (b, 9) of the tip-over axes of packed contacts."""
-    region = empty_region(len(contacts))
-    stand(region, contacts, accept)
+    region = region_of(contacts, accept)
     arcs = region.arc[: region.counts[ARCS]]
     return np.hstack([arcs["start"], arcs["stop"], arcs["wall"]])
 

@@ -257,26 +257,31 @@ def _digest(path: Path) -> str:
 
 
 def in_threads(
-    kernel: Callable[..., None], pieces: int, *arguments: object, least: int = 1
+    kernel: Callable[..., None],
+    pieces: int,
+    memory: Callable[[], object],
+    *arguments: object,
+    least: int = 1,
 ) -> None:
-    """Call ``kernel(begin, end, *arguments)`` on parts of a range, in threads of `least` pieces.
+    """Call ``kernel(span, memory(), *arguments)`` on parts of a range, of `least` pieces or more.
 
+    `span`: the first piece and the one after the last.  Each part has a memory of its own.
     Kernels release Python's lock, so Python's own threads do.  On a busy machine a thread that is
     woken for a few microseconds of work is waited for a thousand times as long.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:
-        kernel(0, pieces, *arguments)
+        kernel((0, pieces), memory(), *arguments)
         return
     parts = min(threads * PARTS_PER_THREAD, pieces)
     spans = [*pairwise(part * pieces // parts for part in range(parts + 1))]
     if not getattr(kernel, "signatures", True):
         # It is compiled here: Ctrl-C does not reach other threads.
-        kernel(*spans.pop(0), *arguments)
+        kernel(spans.pop(0), memory(), *arguments)
     pool = ThreadPoolExecutor(threads)
     try:
         # All are waited for, and the first error is raised.
-        list(pool.map(lambda span: kernel(*span, *arguments), spans))
+        list(pool.map(lambda span: kernel(span, memory(), *arguments), spans))
     finally:
         # Ctrl-C need not wait for results that are not used.
         pool.shutdown(wait=False, cancel_futures=True)

@@ -15,7 +15,7 @@ from firmware_export.control.limits import limits_of
 from firmware_export.control.table import between, polished, smooth
 from firmware_export.model import Model, combinations
 from firmware_export.protocol import Joint, Policy
-from lutgen.channels import body_gravity, evaluate_each
+from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
@@ -66,8 +66,8 @@ def lattice(model: Model) -> Floats:
 
 def read(model: Model, postures: Floats, slopes: Floats, convention: str) -> tuple[Floats, Floats]:
     """Return tip angle (rad) and |SD_g|, each (m,), of postures (m, k) on slopes (m, 3) or (3,)."""
-    downs = body_gravity(model.recipe, postures, slopes, convention)
-    found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
+    downs = np.broadcast_to(slopes, (len(postures), 3))
+    found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"), convention)
     return found["tip_angle"], found["sdg"]
 
 

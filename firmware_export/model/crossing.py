@@ -4,24 +4,26 @@ The facets of a posture, which cost most, are found once for all steps of all it
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
 from firmware_export.model.exact import Model
 from lutgen.channels import (
+    Memory,
     Setting,
     acceptance_of,
-    empty_axes,
     find_axes,
     measure,
     measure_loaded,
+    memory_for,
     primitives_of,
     wanted_channels,
     wrenches,
 )
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import empty_region, stand
+from lutgen.support import stand
 from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
 
 # Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
@@ -45,24 +47,20 @@ def unit_as_read(v: Vector) -> Vector:
     return (x / long, y / long, z / long)
 
 
-@njit()
+@njit(bare=True)
 def cross_some(
-    begin: int,
-    end: int,
+    span: tuple[int, int],
+    memory: Memory,
     primitives: Floats,
     wrench: Floats | None,
     setting: Setting,
     low: Floats,
     high: Floats,
 ) -> None:
-    """Close in the arcs of postures [begin, end); `low` and `high` (m, d, 3) change in place."""
-    acceptance, wanted, _ = setting
-    region = empty_region(primitives.shape[1])
-    if wrench is not None:
-        axes = empty_axes(region)
-    values = np.empty(len(CHANNELS))
-    for posture in range(begin, end):
-        stand(region, primitives[posture], acceptance)
+    """Close in the arcs of a span of postures; `low` and `high` (m, d, 3) change in place."""
+    (region, axes, values), wanted = memory, setting.wanted
+    for posture in range(span[0], span[1]):
+        stand(region, primitives[posture], setting.acceptance)
         if wrench is not None:
             find_axes(region, wrench[posture], axes)
         for d in range(low.shape[1]):
@@ -122,7 +120,7 @@ def cross_boundary(
     wrench = wrenches(recipe, postures) if recipe.loaded else None
     setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
     low, high = unit(inside), unit(outside)
-    arguments = (primitives, wrench, setting, low, high)
+    arguments = (partial(memory_for, primitives), primitives, wrench, setting, low, high)
     # A posture with its arcs is worth a thread after a tenth of a millisecond of work.
     in_threads(cross_some, len(primitives), *arguments, least=32)
     return low, high

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lutgen import support
 from lutgen.analysis.forces import Axle
-from lutgen.channels import acceptance_of, primitives_of, refuse_forces, wrenches
+from lutgen.channels import acceptance_of, primitives_of, refuse_forces, region_of, wrenches
 from lutgen.errors import InputError, reject
 from lutgen.recipe import Postures, Recipe, body_parts, forward, radii_and_kinds, robot_size_of
 from lutgen.vector import Floats, Vector
@@ -150,8 +150,7 @@ class Posture:
     def stance(self) -> Stance:
         """Facets and tip-over axes."""
         primitives = primitives_of(self.recipe, self.placed)[0]
-        region = support.empty_region(len(primitives))
-        support.stand(region, primitives, acceptance_of(self.recipe))
+        region = region_of(primitives, acceptance_of(self.recipe))
         count = region.counts
         facets = tuple(_facet(region, k) for k in range(count[support.ACCEPTED]))
         arcs = region.arc[: count[support.ARCS]]

@@ -189,8 +189,9 @@ def level_angles(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
     parts = [np.empty(0)]
     for i in range(0, len(rows), AT_ONCE):
         part = rows[i : i + AT_ONCE]
-        down = body_gravity(recipe, part, [0.0, 0.0, -1.0], convention)
-        parts.append(evaluate_each(recipe, part, down, ("tip_angle",))["tip_angle"])
+        down = np.tile([0.0, 0.0, -1.0], (len(part), 1))
+        found = evaluate_each(recipe, part, down, ("tip_angle",), convention)
+        parts.append(found["tip_angle"])
     return np.concatenate(parts)
 
 

@@ -1,15 +1,18 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `exact`, `axes`, `shares`, `loads`, `wrench`, `evaluation`, `rows`, `scan`,
-`resting`.
+In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `wrench`, `evaluation`, `rows`,
+`scan`.
 """
 
 from lutgen.channels.axes import MU, PHI, RHO, empty_axes, find_axes, part
 from lutgen.channels.evaluation import (
+    Memory,
+    body_gravity,
     evaluate,
     evaluate_each,
-    for_each_posture,
     measure_recipe,
+    memory_for,
+    region_of,
     stability,
 )
 from lutgen.channels.exact import (
@@ -24,7 +27,7 @@ from lutgen.channels.exact import (
     wanted_channels,
 )
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
-from lutgen.channels.resting import CONVENTIONS, body_gravity, turned
+from lutgen.channels.resting import CONVENTIONS, turned
 from lutgen.channels.scan import Scanner
 from lutgen.channels.shares import axle_foot, smallest_shares
 from lutgen.channels.wrench import acceptance_of, primitives_of, refuse_forces, wrenches

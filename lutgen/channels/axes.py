@@ -44,7 +44,6 @@ class Axes(NamedTuple):
     arc: NDArray[np.void]
 
 
-@njit()
 def empty_axes(region: Region) -> Axes:
     """Return arrays large enough for the region."""
     return Axes(np.zeros(region.edge.shape[0], AXIS), np.zeros(region.arc.shape[0], AXIS))
@@ -74,6 +73,14 @@ def corner_direction(point: Vector, phi: Vector, sign: float) -> Vector:
 
 
 @njit(bare=True)
+def moment_about(ends: tuple[Vector, Vector], mu: Vector) -> float:
+    """Return the part of L that a moment has about the axis between two contact points."""
+    start, side = ends[0], unit(subtract(ends[1], ends[0]))
+    d = length(along(start, side, -dot(start, side)))
+    return dot(side, mu) / d if d > 0.0 else 0.0
+
+
+@njit(bare=True)
 def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench: Floats) -> None:
     """Fill row `at` with the axis between two contact points; its normal is filled already."""
     start, stop = ends
@@ -81,8 +88,7 @@ def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench:
     normal, phi, mu, rho = read3(axis.normal), part(wrench, PHI), part(wrench, MU), wrench[RHO]
     side = unit(subtract(stop, start))
     foot = along(start, side, -dot(start, side))
-    d = length(foot)
-    moment = dot(side, mu) / d if d > 0.0 else 0.0
+    d, moment = length(foot), moment_about(ends, mu)
     offset = dot(normal, phi) + moment
     sine = min(rho / d, 1.0) if d > 0.0 else 1.0
     write3(axis.along, side)
@@ -114,7 +120,7 @@ def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
 
 
 @njit(bare=True)
-def lowest_lever(region: Region, axes: Axes, k: int, force: Vector) -> float:
+def lowest_lever(region: Region, k: int, force: Vector, mu: Vector) -> float:
     """Return how far a resultant is inside the nearest side of seat k, negative outside.
 
     Without forces it is the sine of the angle from gravity to that side.  A side that two rests
@@ -123,7 +129,7 @@ def lowest_lever(region: Region, axes: Axes, k: int, force: Vector) -> float:
     lowest = 1.0
     facet = region.facet[region.seat[k].facet]
     for e in range(facet.first, facet.first + facet.count):
-        lever = dot(read3(region.edge[e].wall), force) + axes.edge[e].moment
+        lever = dot(read3(region.edge[e].wall), force) + moment_about(ends_of(region, e), mu)
         if rests_at(region, e)[1] >= 0 and lever > -SHARED:
             lever = max(lever, 0.0)
         lowest = min(lowest, lever)

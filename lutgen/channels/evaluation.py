@@ -3,13 +3,15 @@
 `evaluate` crosses every posture with every direction; for `evaluate_each` each posture has its own.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.arrays import Floats, Ints
-from lutgen.channels.axes import MU, PHI, empty_axes, find_axes, part
+from lutgen.channels.axes import MU, PHI, Axes, empty_axes, find_axes, part
 from lutgen.channels.exact import (
     NO_GROUPS,
     SHARE,
@@ -19,6 +21,7 @@ from lutgen.channels.exact import (
     wanted_channels,
 )
 from lutgen.channels.loads import measure_loaded, share_of
+from lutgen.channels.resting import CONVENTIONS, settled
 from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
@@ -26,8 +29,16 @@ from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
-from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
-from lutgen.vector import add, row
+from lutgen.support import (
+    MAX_PRIMITIVES,
+    Acceptance,
+    Region,
+    acceptance,
+    empty_region,
+    pack,
+    stand,
+)
+from lutgen.vector import add, row, write3
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024
@@ -36,47 +47,59 @@ STRETCH = 1024
 POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
 
 
-@njit()
+class Memory(NamedTuple):
+    """What the kernels of one thread write: the region of a posture, its axes, and channels."""
+
+    region: Region
+    axes: Axes
+    values: Floats
+
+
+def memory_for(primitives: Floats) -> Memory:
+    """Return a memory that is large enough for postures (m, n, 8)."""
+    region = empty_region(primitives.shape[1])
+    return Memory(region, empty_axes(region), np.empty(len(CHANNELS)))
+
+
+@njit(bare=True)
 def measure_some(
-    begin: int,
-    end: int,
+    span: tuple[int, int],
+    memory: Memory,
     primitives: Floats,
     wrench: Floats | None,
     gravity_dir: Floats,
     setting: Setting,
     out: Floats,
 ) -> None:
-    """Measure stretches [begin, end), which count through the directions of posture after posture.
+    """Measure a span of stretches, which count through the directions of posture after posture.
 
     Parameters as in `measure_postures`; `out` (channels, m, d) has a row for each wanted channel.
     Compiled apart for the weight alone, where `wrench` is None.
     """
-    accept, wanted, groups = setting
+    (region, axes, values), (accept, wanted, groups, plane) = memory, setting
     count = gravity_dir.shape[1]
     per_posture = (count + STRETCH - 1) // STRETCH
-    region = empty_region(primitives.shape[1])
-    if wrench is not None:
-        axes = empty_axes(region)
-    values, current = np.empty(len(CHANNELS)), -1
-    for piece in range(begin, end):
+    current, phi, mu = -1, ZERO, ZERO
+    for piece in range(span[0], span[1]):
         posture, first = piece // per_posture, piece % per_posture * STRETCH
         if posture != current:
             current = posture
             stand(region, primitives[posture], accept)
             if wrench is not None:
                 find_axes(region, wrench[posture], axes)
+                phi, mu = part(wrench[posture], PHI), part(wrench[posture], MU)
         directions = gravity_dir[posture % gravity_dir.shape[0]]
         for d in range(first, min(first + STRETCH, count)):
             g = row(directions, d)
+            if plane:
+                g = settled(region, phi, mu, g)
+                write3(directions[d], g)
             if wrench is None:
                 measure(region, g, wanted, values)
             else:
                 measure_loaded(region, axes, wrench[posture], g, wanted, values)
             if wanted[SHARE]:
-                force, mu = g, ZERO
-                if wrench is not None:
-                    force, mu = add(g, part(wrench[posture], PHI)), part(wrench[posture], MU)
-                values[SHARE] = share_of(region, values, force, mu, groups)
+                values[SHARE] = share_of(region, values, add(g, phi), mu, groups)
             place = 0
             for c in range(len(CHANNELS)):
                 if wanted[c]:
@@ -91,37 +114,36 @@ def measure_postures(
     limits: Acceptance,
     wrench: Floats | None = None,
     groups: Ints = NO_GROUPS,
+    convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels (m, d) of m postures under d directions.
 
     `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m, 7) those
     of `wrench.wrenches`, or None for the weight alone, which is faster; the unit directions
     (m, d, 3) or (1, d, 3) point down; `limits` are of `support.acceptance`, and `groups` (n,) those
-    of `shares.least_share`.
+    of `shares.least_share`.  Directions (m, d, 3) of the `convention` "plane" are turned into the
+    body in place, if they are a writeable C-contiguous array.
     """
-    setting = Setting(limits, wanted_channels(channels), groups)
+    if convention not in CONVENTIONS:
+        raise InputError(f"unknown convention {convention!r}; choose from {', '.join(CONVENTIONS)}")
+    setting = Setting(limits, wanted_channels(channels), groups, convention == "plane")
     # No row that is not wanted: memory that is touched first takes longer than what fills it.
     out = np.empty((setting.wanted.sum(), len(primitives), gravity_dir.shape[1]))
     stretches = -(-gravity_dir.shape[1] // STRETCH)
     work = 1 + min(gravity_dir.shape[1], STRETCH) // DIRECTIONS_A_POSTURE
-    arguments = (primitives, wrench, np.ascontiguousarray(gravity_dir), setting, out)
-    least = max(POSTURES_A_THREAD // work, 1)
-    in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)
+    arguments = (primitives, wrench, np.require(gravity_dir, None, ["C", "W"]), setting, out)
+    memory, least = partial(memory_for, primitives), max(POSTURES_A_THREAD // work, 1)
+    in_threads(measure_some, len(primitives) * stretches, memory, *arguments, least=least)
     found = dict(zip(np.array(CHANNELS)[setting.wanted].tolist(), out, strict=True))
     return {name: found[name] for name in channels}
 
 
-def for_each_posture(
-    kernel: Callable[..., None], recipe: Recipe, postures: Postures, *arguments: object
-) -> None:
-    """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of the postures."""
-    primitives = primitives_of(recipe, postures)
-    everything = (primitives, wrenches(recipe, postures), *arguments)
-    in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
-
-
 def measure_recipe(
-    recipe: Recipe, postures: Postures, gravity_dir: Floats, channels: Sequence[str]
+    recipe: Recipe,
+    postures: Postures,
+    gravity_dir: Floats,
+    channels: Sequence[str],
+    convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Measure postures that `kinematics.forward` has placed; directions as `measure_postures`."""
     return measure_postures(
@@ -131,7 +153,16 @@ def measure_recipe(
         acceptance_of(recipe),
         wrenches(recipe, postures) if recipe.loaded else None,
         groups_of(recipe),
+        convention,
     )
+
+
+def region_of(primitives: Floats, limits: Acceptance) -> Region:
+    """Return the region of one posture (n, 8)."""
+    memory, postures = memory_for(primitives[None]), primitives[None]
+    setting, down = Setting(limits, wanted_channels(())), np.zeros((1, 1, 3))
+    measure_some((0, 1), memory, postures, None, down, setting, np.empty((0, 1, 1)))
+    return memory.region
 
 
 def stability(
@@ -247,6 +278,7 @@ def evaluate_each(
     params: ArrayLike,
     gravity_dir: ArrayLike,
     channels: Sequence[str] = ("sdg", "tip_angle"),
+    convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels of m postures, each under its own gravity direction or directions.
 
@@ -257,9 +289,11 @@ def evaluate_each(
     params : (m, k) array_like
         Geometry parameters, rad or length.
     gravity_dir : (m, 3) or (m, d, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0; one or d for each posture.
+        Directions pointing down, of any length > 0; one or d for each posture.
     channels : sequence of str
         See `stability`.
+    convention : {"body", "plane"}
+        The frame of the directions, see `body_gravity`.
 
     Returns
     -------
@@ -287,5 +321,48 @@ def evaluate_each(
             f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
             f"(got the shape {directions.shape})"
         )
-    found = measure_recipe(recipe, where, unit_directions(each), channels)
+    found = measure_recipe(recipe, where, unit_directions(each), channels, convention)
     return found if directions.ndim == 3 else {name: row[:, 0] for name, row in found.items()}
+
+
+def body_gravity(
+    recipe: Recipe, params: ArrayLike, gravity: ArrayLike, convention: str = "body"
+) -> NDArray[np.float64]:
+    """Return the gravity direction in the body frame of m postures: T_g.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Geometry parameters, rad or length.
+    gravity : (3,) or (m, 3) array_like
+        Pointing down, any length > 0; in the frame that the convention names.
+    convention : {"body", "plane"}
+        F and P of the head of `resting`.
+
+    Returns
+    -------
+    (m, 3) float64
+        Unit vectors.  Under ``"plane"`` the robot rests on the plane with the facet that carries
+        it; without one, with the one that comes closest, and the robot tips.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> recipe = load_recipe("maps/paper_one.toml")
+    >>> body_gravity(recipe, [[0.75]], [0, 0, -1], "plane").round(3)  # wheel 1 low: nose up
+    array([[-0.143,  0.   , -0.99 ]])
+    """
+    posture = forward(recipe, params)
+    count = len(posture.com)
+    given = unit_directions(gravity)
+    if given.shape not in ((3,), (count, 3)):
+        raise InputError(
+            f"gravity must have the shape (3,) or ({count}, 3) (got {given.shape}); give one "
+            "direction, or one for each posture"
+        )
+    directions = np.broadcast_to(given, (count, 3)).copy()
+    if convention != "body":
+        measure_recipe(recipe, posture, directions[:, None], (), convention)
+    return directions

@@ -217,12 +217,14 @@ SDG, HEIGHT, TIP, MARGIN, ENERGY, SHARE, FACET, STATUS = range(len(CHANNELS))
 class Setting(NamedTuple):
     """Settings that all postures of a measurement share: acceptance, and the wanted channels.
 
-    `groups` (n,) are those of `shares.least_share`.
+    `groups` (n,) are those of `shares.least_share`.  With `plane` directions are given relative to
+    the contact plane, and turned into the body where they stand, see `resting`.
     """
 
     acceptance: Acceptance
     wanted: NDArray[np.bool_]
     groups: NDArray[np.int64] = NO_GROUPS
+    plane: bool = False
 
 
 @njit(inline=True)

@@ -32,7 +32,7 @@ from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract
 
 
 @njit(bare=True)
-def _seat_under_moment(region: Region, axes: Axes, force: Vector, mu: Vector) -> tuple[int, int]:
+def _seat_under_moment(region: Region, force: Vector, mu: Vector) -> tuple[int, int]:
     """Return the seat that carries under a resultant with a moment, and STANDS or TIPS.
 
     That whose plane the resultant's central line leaves first; its zero-moment point decides if
@@ -52,7 +52,7 @@ def _seat_under_moment(region: Region, axes: Axes, force: Vector, mu: Vector) ->
                 best, nearest = k, reach
     for turn in range(region.counts[ACCEPTED] + 1):
         k = best if turn == 0 else turn - 1
-        if k >= 0 and region.seat[k].is_rest and lowest_lever(region, axes, k, force) >= 0.0:
+        if k >= 0 and region.seat[k].is_rest and lowest_lever(region, k, force, mu) >= 0.0:
             return k, STANDS
     return best, TIPS
 
@@ -225,7 +225,7 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
     convex = count[CONVEX] == 1
     if length(mu) > 0.0:
-        k, status = _seat_under_moment(region, axes, force, mu)
+        k, status = _seat_under_moment(region, force, mu)
     else:
         k, status = seat_under(region, force), TIPS
         cone = cone_of(region, unit(force)) if k >= 0 else -1

@@ -4,11 +4,12 @@ The margins are computed node by node, and so is a robot under a wrench; all els
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from lutgen.arrays import Floats, Singles
-from lutgen.channels.evaluation import measure_recipe
+from lutgen.channels.evaluation import Memory, measure_recipe, memory_for
 from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
 from lutgen.channels.loads import share_of
 from lutgen.channels.rows import (
@@ -27,7 +28,7 @@ from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward
-from lutgen.support import Region, empty_region, stand
+from lutgen.support import Region, stand
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
 BAND = 4096
@@ -35,12 +36,12 @@ BAND = 4096
 AT_ONCE = 1 << 17
 
 
-@njit()
+@njit(bare=True)
 def _each_node(
     region: Region, nodes: Nodes, rows: Rows, setting: Setting, values: Floats, out: Singles
 ) -> None:
     """Fill the wanted channels of rows node by node."""
-    _, wanted, groups = setting
+    wanted, groups = setting.wanted, setting.groups
     count = nodes.inverse.shape[0]
     for r in range(rows.size):
         for i in range(count):
@@ -53,26 +54,28 @@ def _each_node(
                     out[c, rows.at + r * count + i] = np.float32(values[c])
 
 
-@njit()
+def scratch_for(primitives: Floats, nodes: Nodes) -> tuple[Memory, Scratch]:
+    """Return what `scan_part` writes for postures (m, n, 8)."""
+    memory, count = memory_for(primitives), nodes.inverse.shape[0]
+    band = max(BAND // count, 1)
+    lines = np.empty((4 * memory.region.arc.shape[0], 3))
+    return memory, Scratch(lines, np.empty((3, band)), np.empty(count + PAD))
+
+
+@njit(bare=True)
 def scan_part(
-    begin: int,
-    end: int,
+    span: tuple[int, int],
+    memory: tuple[Memory, Scratch],
     primitives: Floats,
     setting: Setting,
     nodes: Nodes,
-    span: tuple[int, int],
+    lines: tuple[int, int],
     out: Singles,
 ) -> None:
-    """Fill rows [begin, end) of a block, counted through its postures; see `scan`."""
-    accept, wanted, _ = setting
-    first, per_posture, count = span[0], span[1] - span[0], nodes.inverse.shape[0]
-    region = empty_region(primitives.shape[1])
-    band = max(BAND // count, 1)
-    scratch = Scratch(
-        np.empty((4 * region.arc.shape[0], 3)), np.empty((3, band)), np.empty(count + PAD)
-    )
-    values = np.empty(len(CHANNELS))
-    current, line = -1, begin
+    """Fill a span of rows of a block, counted through its postures; see `scan`."""
+    ((region, _, values), scratch), accept, wanted = memory, setting.acceptance, setting.wanted
+    first, per_posture, count = lines[0], lines[1] - lines[0], nodes.inverse.shape[0]
+    band, current, (line, end) = scratch.span.shape[1], -1, span
     while line < end:
         posture = line // per_posture
         if posture != current:
@@ -92,7 +95,7 @@ def scan_part(
 
 
 def scan(
-    primitives: Floats, setting: Setting, nodes: Nodes, span: tuple[int, int], out: Singles
+    primitives: Floats, setting: Setting, nodes: Nodes, lines: tuple[int, int], out: Singles
 ) -> None:
     """Fill the channels of a block of postures over a range of rows.
 
@@ -104,14 +107,14 @@ def scan(
         Limits of facets, and the channels to fill.
     nodes : Nodes
         The directions.
-    span : tuple of int
+    lines : tuple of int
         First row and the one after the last, of the faces * nodes rows of a posture.
     out : (channels, at least m * rows * nodes) float32
         Filled from the left where wanted; |SD_g| always.  C-contiguous: of a strided array the
         compiler makes loops three times as slow.
     """
-    lines = len(primitives) * (span[1] - span[0])
-    in_threads(scan_part, lines, primitives, setting, nodes, span, out)
+    rows, memory = len(primitives) * (lines[1] - lines[0]), partial(scratch_for, primitives, nodes)
+    in_threads(scan_part, rows, memory, primitives, setting, nodes, lines, out)
 
 
 class Scanner:

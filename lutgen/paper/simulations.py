@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from lutgen.channels import CONVENTIONS, body_gravity, evaluate_each
+from lutgen.channels import CONVENTIONS, evaluate_each
 from lutgen.mapping import load_map, sweep
 from lutgen.paper.model import DOWN, NOMINAL, TABLE, TURN, paper_recipe
 from lutgen.recipe import Recipe
@@ -59,8 +59,8 @@ class Results(NamedTuple):
 
 def level_values(recipe: Recipe, params: ArrayLike, convention: str) -> dict[str, Floats]:
     """Return sdg and height, each (m,), of m geometries (m, k) on level ground."""
-    down = body_gravity(recipe, params, DOWN, convention)
-    return evaluate_each(recipe, params, down, ("sdg", "height"))
+    down = np.tile(DOWN, (len(np.asarray(params)), 1))
+    return evaluate_each(recipe, params, down, ("sdg", "height"), convention)
 
 
 def timed_map(path: Path) -> dict[str, float]:

@@ -82,13 +82,14 @@ class View:
             count = max(len(rows), len(down))
             rows = np.broadcast_to(rows, (count, rows.shape[1]))
             return self.stability_map.read(rows, np.broadcast_to(down, (count, 3)), channels)
-        values = evaluate_each(self.recipe, rows, self.in_bodies(rows, down), channels)
+        # Figures of many directions have gravity fixed in the body.
+        each = np.broadcast_to(down, (len(rows), *down.shape))
+        values = evaluate_each(self.recipe, rows, each, channels, self.convention)
         return {name: value.ravel() for name, value in values.items()}
 
     def in_bodies(self, rows: Floats, down: Floats) -> Floats:
         """Return directions (d, 3) in the body of each of m postures, (m, d, 3)."""
         if self.convention == "plane":
-            # Figures of many directions have gravity fixed in the body.
             return body_gravity(self.recipe, rows, down[0], "plane")[:, None]
         return np.broadcast_to(down, (len(rows), *down.shape))
 

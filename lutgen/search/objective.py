@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_each
+from lutgen.channels import CONVENTIONS, checked_directions, evaluate_each
 from lutgen.errors import InputError, reject
 from lutgen.quantities import QUANTITIES, RANKED, UNLOADED
 from lutgen.recipe import Recipe
@@ -90,10 +90,8 @@ class Objective:
         return np.concatenate(parts) if parts else np.empty(0)
 
     def _cost(self, rows: NDArray[np.float64], down: NDArray[np.float64]) -> NDArray[np.float64]:
-        # In the body the postures need not be computed twice.
-        if self.convention != "body":
-            down = body_gravity(self.recipe, rows, down, self.convention)
-        found = evaluate_each(self.recipe, rows, down, [*{**self.weights, "tip_angle": 0.0}])
+        channels = [*{**self.weights, "tip_angle": 0.0}]
+        found = evaluate_each(self.recipe, rows, down, channels, self.convention)
         angle = found["tip_angle"]
         cost = np.zeros(len(rows))
         for name, weight in self.weights.items():

@@ -130,7 +130,6 @@ class Region(NamedTuple):
     axle: NDArray[np.void]
 
 
-@njit()
 def empty_region(primitives: int) -> Region:
     """Return tables large enough for the region of so many primitives.
 

@@ -12,8 +12,8 @@ from lutgen.analysis.ground import gravity_transform, tangent_plane
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
+from lutgen.channels import body_gravity
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.posture import Posture
-from lutgen.channels.resting import body_gravity
+from lutgen.channels import body_gravity
 from lutgen.quantities import CHANNELS
 from tests.fixtures.pulled import BOX, FREE, LEVEL, WEIGHT, pull, robot
 from tests.fixtures.recipes import contact, feet

@@ -9,7 +9,7 @@ import lutgen
 from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import Setting, wanted_channels
 from lutgen.channels.rows import nodes_of
-from lutgen.channels.scan import Scanner, scan_part
+from lutgen.channels.scan import Scanner, scan_part, scratch_for
 from lutgen.chart import Chart
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import start_recipe
@@ -59,7 +59,9 @@ def rows(primitives, chart, limits, channels=FAST):
     out = np.full((len(CHANNELS), lines * chart.nodes), 9e9, np.float32)
     setting = Setting(acceptance(*limits), wanted_channels(channels))
     for begin, end in pairwise(part * lines // 3 for part in range(4)):
-        scan_part(begin, end, primitives, setting, nodes_of(chart), (0, per_posture), out)
+        memory = scratch_for(primitives, nodes_of(chart))
+        place = (0, per_posture)
+        scan_part((begin, end), memory, primitives, setting, nodes_of(chart), place, out)
     return {name: out[CHANNELS.index(name)].reshape(m, -1) for name in channels}
 
 

@@ -141,27 +141,29 @@ def test_work_is_shared_among_threads():
     before = numba.get_num_threads()
     done = np.zeros(1000)
 
-    def fill(begin, end, out):
-        out[begin:end] += 1.0
+    def fill(span, memory, out):
+        assert not memory, "a part has a memory of its own"
+        memory.append(span)
+        out[slice(*span)] += 1.0
 
     try:
         for threads in range(1, numba.config.NUMBA_NUM_THREADS + 1):
             numba.set_num_threads(threads)
             done[:] = 0.0
-            in_threads(fill, 1000, done, least=100)
+            in_threads(fill, 1000, list, done, least=100)
             assert (done == 1.0).all()
-        in_threads(fill, 0, done)
+        in_threads(fill, 0, list, done)
         assert (done == 1.0).all()
     finally:
         numba.set_num_threads(before)
 
 
 def test_an_error_in_a_thread_is_raised_where_the_work_was_asked_for():
-    def fail(begin, end):
-        raise ValueError(f"{begin} to {end}")
+    def fail(span, memory):
+        raise ValueError(f"{span[0]} to {span[1]}")
 
     with pytest.raises(ValueError, match="0 to"):
-        in_threads(fail, 1000)
+        in_threads(fail, 1000, list)
 
 
 def test_kernels_run_as_plain_python_when_the_compiler_is_switched_off(tmp_path):

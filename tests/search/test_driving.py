@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lutgen.channels import body_gravity
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.search.driving import Drive, drive

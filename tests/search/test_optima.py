@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels import acceptance_of
+from lutgen.channels import acceptance_of, body_gravity
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.search.methods import multistart, refine
@@ -60,7 +59,8 @@ def test_the_cost_is_the_channel_with_its_good_end_down_and_large_where_it_tips(
     angle = found["tip_angle"]
     stands = angle >= 0.0
     assert 20 < stands.sum() < 380
-    np.testing.assert_array_equal(cost[stands], sign * found[text][stands])
+    # A direction that is normalised once more has another last bit.
+    np.testing.assert_allclose(cost[stands], sign * found[text][stands], rtol=1e-12)
     for value in cost[stands]:
         assert goal.value(value) == sign * value
         assert goal.cost_of(goal.value(value)) == value
