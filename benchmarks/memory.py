@@ -115,9 +115,7 @@ def facets() -> Iterator[Row]:
                 primitives = wheel_shapes(kind, n, m)
             accept = acceptance(*(angles or (None, None)))
             sweep, _ = sweep_run(primitives, Chart("sphere", 13), ("sdg",), angles)
-            search, whole = interleave(
-                partial(find_all, empty_region(n), primitives, accept), sweep
-            )
+            search, whole = interleave(partial(find_all, empty_region(), primitives, accept), sweep)
             yield Row(f"{n} {KIND_NAMES[kind]}: facets", 1, search / m, "whole sweep", whole / m)
 
 

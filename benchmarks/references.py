@@ -66,7 +66,7 @@ def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
         np.zeros((m, 2 * n + 1), np.int64),
         np.zeros(m, np.int64),
     )
-    _copy(empty_region(n), primitives, accept, result)
+    _copy(empty_region(), primitives, accept, result)
     return result
 
 

@@ -4,7 +4,6 @@ The facets of a posture, which cost most, are found once for all steps of all it
 """
 
 import math
-from functools import partial
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from lutgen.channels import (
     find_axes,
     measure,
     measure_loaded,
-    memory_for,
+    own_memory,
     primitives_of,
     wanted_channels,
     wrenches,
@@ -120,7 +119,7 @@ def cross_boundary(
     wrench = wrenches(recipe, postures) if recipe.loaded else None
     setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
     low, high = unit(inside), unit(outside)
-    arguments = (partial(memory_for, primitives), primitives, wrench, setting, low, high)
+    arguments = (own_memory, primitives, wrench, setting, low, high)
     # A posture with its arcs is worth a thread after a tenth of a millisecond of work.
     in_threads(cross_some, len(primitives), *arguments, least=32)
     return low, high

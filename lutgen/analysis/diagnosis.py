@@ -151,7 +151,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
 def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
     """Return the same under a load, for which the energy margin is not defined."""
     region, wrench = posture.stance.region, posture.wrench
-    axes, found = kernels.empty_axes(region), []
+    axes, found = kernels.empty_axes(), []
     kernels.find_axes(region, wrench, axes)
     for b in range(region.counts[ARCS]):
         angle = kernels.axis_angle(region, axes, b, wrench, standing, g)

@@ -11,7 +11,7 @@ from lutgen.channels.evaluation import (
     evaluate,
     evaluate_each,
     measure_recipe,
-    memory_for,
+    own_memory,
     region_of,
     stability,
 )

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
-from lutgen.support import ARCS, EDGES, Region, ends_of, record, rests_at
+from lutgen.support import ARCS, EDGES, REGION, Region, ends_of, record, rests_at
 from lutgen.vector import along, dot, length, read3, scale, subtract, unit, write3
 
 # First columns of a wrench: phi, mu, rho.
@@ -44,9 +44,10 @@ class Axes(NamedTuple):
     arc: NDArray[np.void]
 
 
-def empty_axes(region: Region) -> Axes:
-    """Return arrays large enough for the region."""
-    return Axes(np.zeros(region.edge.shape[0], AXIS), np.zeros(region.arc.shape[0], AXIS))
+def empty_axes() -> Axes:
+    """Return arrays large enough for any region."""
+    edge, arc = (REGION[name].shape[0] for name in ("edge", "arc"))
+    return Axes(np.empty(edge, AXIS), np.empty(arc, AXIS))
 
 
 @njit(inline=True, bare=True)

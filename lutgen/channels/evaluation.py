@@ -3,8 +3,8 @@
 `evaluate` crosses every posture with every direction; for `evaluate_each` each posture has its own.
 """
 
+import threading
 from collections.abc import Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -45,6 +45,8 @@ STRETCH = 1024
 # A thread is worth its waking for this many postures, half a millisecond of work for a few
 # contacts; finding the facets of one takes as long as measuring this many directions.
 POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
+NOTHING = np.zeros(len(CHANNELS), np.bool_)
+_OWN = threading.local()
 
 
 class Memory(NamedTuple):
@@ -55,10 +57,12 @@ class Memory(NamedTuple):
     values: Floats
 
 
-def memory_for(primitives: Floats) -> Memory:
-    """Return a memory that is large enough for postures (m, n, 8)."""
-    region = empty_region(primitives.shape[1])
-    return Memory(region, empty_axes(region), np.empty(len(CHANNELS)))
+def own_memory() -> Memory:
+    """Return the memory of this thread; one that is new takes longer than a posture."""
+    if not hasattr(_OWN, "memory"):
+        _OWN.memory = Memory(empty_region(), empty_axes(), np.empty(len(CHANNELS)))
+    memory: Memory = _OWN.memory
+    return memory
 
 
 @njit(bare=True)
@@ -132,8 +136,8 @@ def measure_postures(
     stretches = -(-gravity_dir.shape[1] // STRETCH)
     work = 1 + min(gravity_dir.shape[1], STRETCH) // DIRECTIONS_A_POSTURE
     arguments = (primitives, wrench, np.require(gravity_dir, None, ["C", "W"]), setting, out)
-    memory, least = partial(memory_for, primitives), max(POSTURES_A_THREAD // work, 1)
-    in_threads(measure_some, len(primitives) * stretches, memory, *arguments, least=least)
+    least = max(POSTURES_A_THREAD // work, 1)
+    in_threads(measure_some, len(primitives) * stretches, own_memory, *arguments, least=least)
     found = dict(zip(np.array(CHANNELS)[setting.wanted].tolist(), out, strict=True))
     return {name: found[name] for name in channels}
 
@@ -159,9 +163,9 @@ def measure_recipe(
 
 def region_of(primitives: Floats, limits: Acceptance) -> Region:
     """Return the region of one posture (n, 8)."""
-    memory, postures = memory_for(primitives[None]), primitives[None]
-    setting, down = Setting(limits, wanted_channels(())), np.zeros((1, 1, 3))
-    measure_some((0, 1), memory, postures, None, down, setting, np.empty((0, 1, 1)))
+    memory, setting = own_memory()._replace(region=empty_region()), Setting(limits, NOTHING)
+    down, out = np.zeros((1, 1, 3)), np.empty((0, 1, 1))
+    measure_some((0, 1), memory, primitives[None], None, down, setting, out)
     return memory.region
 
 

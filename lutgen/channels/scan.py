@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from lutgen.arrays import Floats, Singles
-from lutgen.channels.evaluation import Memory, measure_recipe, memory_for
+from lutgen.channels.evaluation import Memory, measure_recipe, own_memory
 from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
 from lutgen.channels.loads import share_of
 from lutgen.channels.rows import (
@@ -54,12 +54,11 @@ def _each_node(
                     out[c, rows.at + r * count + i] = np.float32(values[c])
 
 
-def scratch_for(primitives: Floats, nodes: Nodes) -> tuple[Memory, Scratch]:
-    """Return what `scan_part` writes for postures (m, n, 8)."""
-    memory, count = memory_for(primitives), nodes.inverse.shape[0]
-    band = max(BAND // count, 1)
+def scratch_for(nodes: Nodes) -> tuple[Memory, Scratch]:
+    """Return what `scan_part` writes."""
+    memory, count = own_memory(), nodes.inverse.shape[0]
     lines = np.empty((4 * memory.region.arc.shape[0], 3))
-    return memory, Scratch(lines, np.empty((3, band)), np.empty(count + PAD))
+    return memory, Scratch(lines, np.empty((3, max(BAND // count, 1))), np.empty(count + PAD))
 
 
 @njit(bare=True)
@@ -113,7 +112,7 @@ def scan(
         Filled from the left where wanted; |SD_g| always.  C-contiguous: of a strided array the
         compiler makes loops three times as slow.
     """
-    rows, memory = len(primitives) * (lines[1] - lines[0]), partial(scratch_for, primitives, nodes)
+    rows, memory = len(primitives) * (lines[1] - lines[0]), partial(scratch_for, nodes)
     in_threads(scan_part, rows, memory, primitives, setting, nodes, lines, out)
 
 

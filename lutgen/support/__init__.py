@@ -30,6 +30,7 @@ from lutgen.support.table import (
     EDGES,
     FACETS,
     MAX_PRIMITIVES,
+    REGION,
     ROCKS,
     SHOWN,
     STANDS,

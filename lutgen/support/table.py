@@ -9,7 +9,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
@@ -89,10 +88,40 @@ def acceptance(
     )
 
 
-class Region(NamedTuple):
-    """Where one posture stands, reused from posture to posture.
+# Rows for as many primitives as there may be: the hull of n points has 2 n - 4 facets, that of n
+# spheres grows with the square of n.  Memory that is not touched costs nothing.
+_FACETS = MAX_PRIMITIVES * MAX_PRIMITIVES + 8
+_EDGES, _SIDES = 3 * _FACETS, 4 * MAX_PRIMITIVES + 4
+REGION = np.dtype(
+    (
+        np.record,
+        [
+            ("counts", "i8", 8),
+            ("facet", FACET, _FACETS),
+            ("edge", EDGE, _EDGES),
+            ("seat", SEAT, _FACETS),
+            ("cone", CONE, _FACETS + _EDGES),
+            ("wall", "f8", (6 * _EDGES, 3)),
+            ("arc", ARC, 2 * _EDGES),
+            ("shown", "f8", (MAX_PRIMITIVES, 8)),
+            ("source", "i8", MAX_PRIMITIVES),
+            ("contacts", "f8", (3, MAX_PRIMITIVES, 3)),
+            ("flat", "f8", (MAX_PRIMITIVES, 2)),
+            ("polygon", "f8", (_SIDES, 3)),
+            ("ids", "i8", _SIDES),
+            ("swung", CORNER, (2, _SIDES)),
+            ("axle", AXLE_ROW, _FACETS),
+        ],
+    )
+)
+# A row of REGION; kernels take it faster than a tuple of arrays.
+Region = Any
 
-    `counts` (8,): entries in use of the tables below, 1 at CONVEX if the region is convex, and at
+
+def empty_region() -> Region:
+    """Return room for where one posture stands, reused from posture to posture.
+
+    `counts`: entries in use of the tables below, 1 at CONVEX if the region is convex, and at
     SHOWN the primitives that no other one covers.
 
     `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
@@ -104,56 +133,15 @@ class Region(NamedTuple):
     its ends are nearer to the com than `point`, on the line through a pivot.
     `seat`: the accepted facets by ascending bits of touching primitives: `plane` n / h; `axes`,
     with which the in-plane components of D_g - s are (axes . g) / (plane . g); `centroid` s of the
-    support polygon; True if it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
+    support polygon; 1 if it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
     `cone`: `count` walls from `first` on, rests first, then gaps; and the `seat` that counts there.
-    `wall` (w, 3): unit inward normals.
+    `wall`: unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
-    `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
+    `shown`, `source`: the primitives that none covers, and their rows.
     `axle`: of a facet that `swings`, its axle.
     `contacts`, `flat`, `polygon`, `ids`, `swung`: scratch memory.
     """
-
-    counts: NDArray[np.int64]
-    facet: NDArray[np.void]
-    edge: NDArray[np.void]
-    seat: NDArray[np.void]
-    cone: NDArray[np.void]
-    wall: NDArray[np.float64]
-    arc: NDArray[np.void]
-    shown: NDArray[np.float64]
-    source: NDArray[np.int64]
-    contacts: NDArray[np.float64]
-    flat: NDArray[np.float64]
-    polygon: NDArray[np.float64]
-    ids: NDArray[np.int64]
-    swung: NDArray[np.void]
-    axle: NDArray[np.void]
-
-
-def empty_region(primitives: int) -> Region:
-    """Return tables large enough for the region of so many primitives.
-
-    The hull of n points has 2 n - 4 facets; that of n spheres grows with the square of n.
-    """
-    facets = primitives * primitives + 8
-    edges = 3 * facets
-    return Region(
-        np.zeros(8, np.int64),
-        np.zeros(facets, FACET),
-        np.zeros(edges, EDGE),
-        np.zeros(facets, SEAT),
-        np.zeros(facets + edges, CONE),
-        np.zeros((6 * edges, 3)),
-        np.zeros(2 * edges, ARC),
-        np.zeros((primitives, 8)),
-        np.zeros(primitives, np.int64),
-        np.zeros((3, primitives, 3)),
-        np.zeros((primitives, 2)),
-        np.zeros((4 * primitives + 4, 3)),
-        np.zeros(4 * primitives + 4, np.int64),
-        np.zeros((2, 4 * primitives + 4), CORNER),
-        np.zeros(facets, AXLE_ROW),
-    )
+    return np.empty(1, REGION)[0]
 
 
 @njit(bare=True)

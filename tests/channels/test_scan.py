@@ -59,7 +59,7 @@ def rows(primitives, chart, limits, channels=FAST):
     out = np.full((len(CHANNELS), lines * chart.nodes), 9e9, np.float32)
     setting = Setting(acceptance(*limits), wanted_channels(channels))
     for begin, end in pairwise(part * lines // 3 for part in range(4)):
-        memory = scratch_for(primitives, nodes_of(chart))
+        memory = scratch_for(nodes_of(chart))
         place = (0, per_posture)
         scan_part((begin, end), memory, primitives, setting, nodes_of(chart), place, out)
     return {name: out[CHANNELS.index(name)].reshape(m, -1) for name in channels}

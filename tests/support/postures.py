@@ -88,7 +88,7 @@ def exact(family: str, rng: np.random.Generator) -> Floats:
 
 def assert_every_facet_once(rows: Floats, upright: float) -> None:
     """Demand that lutgen finds the support facets within `upright` (deg) that the oracle does."""
-    region, least = empty_region(len(rows)), math.cos(math.radians(upright))
+    region, least = empty_region(), math.cos(math.radians(upright))
     stand(region, rows, acceptance(math.radians(upright), 0.5))
     shown = region.shown[: region.counts[SHOWN]].copy()
     truth = [f.normal for f in facets_of(shown) if -f.normal[2] > least]

@@ -110,7 +110,7 @@ def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is():
 
 def test_contacts_keep_their_numbers_where_some_are_covered():
     corners = [point(x, y, -0.4) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
-    region = empty_region(8)
+    region = empty_region()
     stand(region, rows(*corners, *WHEELS), acceptance(*LIMITS[:2], 0.0, *LIMITS[2:]))
     # The wheels are 4 to 7; the corners on their rims carry nothing.
     named = region.source[region.arc[: region.counts[ARCS]]["contacts"]]
