@@ -11,9 +11,9 @@ NAMES := $(patsubst maps/%.toml,%,$(wildcard maps/*.toml))
 # Published robot descriptions, which are not part of this project; see maps/README.md.
 LUTGEN_ROBOTS ?= ../shared/robots
 IMPORTED := $(if $(wildcard $(LUTGEN_ROBOTS)/absolem.urdf),absolem_urdf)
-FIGURES := $(patsubst %,build/maps/%/figures.stamp,$(NAMES) $(IMPORTED))
+MAPS := $(patsubst %,build/maps/%.h5,$(NAMES) $(IMPORTED))
 EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
-$(shell mkdir -p build/explorer $(patsubst %,build/maps/%,$(NAMES) $(IMPORTED)))
+$(shell mkdir -p build/explorer $(NAMES:%=build/maps/%))
 vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -type f -not -name '*.so' -not -path '*/__pycache__/*')
@@ -23,17 +23,17 @@ PIP := $(BIN)/python -m pip install -qq
 # uv takes half the time of pip, but does not know pip's settings, as of a mirror.
 INSTALL = $(or $(UV),$(BIN)/uv) pip install --quiet --python $(BIN)/python -e '.[$(1)]' || $(PIP) -e '.[$(1)]'
 EXTRAS := test,dev
-# A sweep uses all cores, an export mostly one: two at a time, unless make was told otherwise.
-# One figure goes first: it compiles what the others need.
+# A sweep uses all cores, figures and exports mostly one: two at a time, unless make was told
+# otherwise.
 TWO := $(if $(filter -j%,$(MAKEFLAGS)),,$(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2)
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 10
 
-venv: .venv/.installed ## create .venv and install everything in it
+venv: .venv/.installed build/maps/paper_two/firmware.stamp ## create .venv and install everything in it
 
 maps: .venv/.installed ## build every map of maps/, its figures and its firmware export into build/maps
-	@$(MAKE) --no-print-directory $(TWO) $(firstword $(FIGURES)) $(EXPORTS) $(FIGURES)
+	@$(MAKE) --no-print-directory $(TWO) build/maps/figures.stamp $(EXPORTS)
 	@$(if $(IMPORTED),,echo "absolem_urdf: skipped, there is no $(LUTGEN_ROBOTS)/absolem.urdf (LUTGEN_ROBOTS names the folder)")
 
 paper: .venv/.installed ## reproduce the paper: figures, tables and one page in build/paper
@@ -98,15 +98,14 @@ clean: ## remove build/ and the caches, keep .venv
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
 
-# The first sweep and export compile the kernels that the commands of the README use.
+# The first sweep compiles kernels that all commands use, so it runs alone.
 .venv/.installed: pyproject.toml setup.py $(wildcard firmware_export/runtime/*.[ch])
 	@echo "installing into .venv and compiling the kernels: two or three minutes"
 	@$(VENV)
 	@$(if $(UV),,$(PIP) uv)
 	@$(call INSTALL,$(EXTRAS))
-	@$(BIN)/lutgen -q export maps/paper_two.toml -o build/maps/paper_two/firmware --force & \
-	  $(BIN)/lutgen -q sweep maps/paper_two.toml -o build/maps/paper_two.h5 --force && wait $$!
-	@touch build/maps/paper_two/firmware.stamp $@
+	@$(BIN)/lutgen -q sweep maps/paper_two.toml -o build/maps/paper_two.h5 --force
+	@touch $@
 
 .venv/.%: .venv/.installed
 	@$(call INSTALL,$*)
@@ -119,8 +118,8 @@ build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.
 build/maps/%.h5: %.toml $(SOURCES) | .venv/.installed
 	$(BIN)/lutgen sweep $< -o $@ --force
 
-build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
-	$(BIN)/python tools/gallery.py $< build/maps/$*.h5 && touch $@
+build/maps/figures.stamp: tools/gallery.py $(MAPS)
+	$(BIN)/python $< $(filter %.h5,$(if $(filter $<,$?),$^,$?)) && touch $@
 
 build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	$(BIN)/lutgen export $< -o build/maps/$*/firmware --force && touch $@

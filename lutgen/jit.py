@@ -9,6 +9,7 @@ kernels.  A constant that a kernel uses must stand in such a file.  The folder m
 """
 
 import functools
+import gc
 import hashlib
 import logging
 import os
@@ -45,18 +46,24 @@ _FIRST = "compiling the kernels: about 20 seconds on an idle machine, kept for t
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-class _Notice(event.Listener):  # type: ignore[misc]
-    """Says once that the program waits for the compiler."""
+class _Compiling(event.Listener):  # type: ignore[misc]
+    """Says once that the program waits; holds off the garbage collector, a sixth of the time."""
 
-    said = False
+    said, depth, collects = False, 0, True
 
     def on_start(self, event: object) -> None:
         if not self.said:
             self.said = True
             logging.getLogger("lutgen").warning(_FIRST)
+        if self.depth == 0:
+            self.collects = gc.isenabled()
+            gc.disable()
+        self.depth += 1
 
     def on_end(self, event: object) -> None:
-        """Say nothing."""
+        self.depth -= 1
+        if self.depth == 0 and self.collects:
+            gc.enable()
 
 
 class _Place(_CacheLocator):  # type: ignore[misc]
@@ -288,4 +295,4 @@ def in_threads(
 
 
 # A kernel that is loaded from the folder is no such event.
-event.register("numba:compile", _Notice())
+event.register("numba:compile", _Compiling())

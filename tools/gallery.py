@@ -1,19 +1,15 @@
-"""Draw the figures of one map into the gallery and write its numbers into the gallery's page.
+"""Draw the figures of maps into the gallery and write their numbers into the gallery's page.
 
-    python tools/gallery.py maps/paper_two.toml build/maps/paper_two.h5 [--output maps]
+    python tools/gallery.py build/maps/paper_two.h5 ... [--output maps]
 
 The figures go to OUTPUT/<name>/*.png.  In OUTPUT/README.md only the lines between the two marker
-comments of the map are written; a map without them gets a heading and markers at the end.  The
-same recipe and map give the same bytes.
+comments of a map are written; a map without them gets a heading and markers at the end.  The same
+map gives the same bytes.
 """
 
 import argparse
-import fcntl
 import math
-import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +22,7 @@ from lutgen.errors import InputError, LutgenError
 from lutgen.files import write_text
 from lutgen.mapping import StabilityMap, load_map, share_that_tips
 from lutgen.parts import to_internal
-from lutgen.recipe.recipe import Recipe, load_recipe
+from lutgen.recipe.recipe import Recipe
 
 PAGE_HEAD = "# Gallery\n"
 
@@ -229,43 +225,26 @@ def with_block(page: str, name: str, text: str) -> str:
     return f"{before}{begin}\n{text}\n{end}{rest.partition(end)[2]}"
 
 
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Keep other processes of a parallel make away from the page."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
 def write_page(page: Path, name: str, text: str) -> None:
     """Bring one map's part of the page up to date."""
-    with locked(page.parent):
-        old = page.read_text(encoding="utf-8") if page.exists() else PAGE_HEAD
-        new = with_block(old, name, text)
-        if new != old or not page.exists():
-            write_text(page, new, force=True)
+    old = page.read_text(encoding="utf-8") if page.exists() else PAGE_HEAD
+    new = with_block(old, name, text)
+    if new != old or not page.exists():
+        write_text(page, new, force=True)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command."""
-    parser = argparse.ArgumentParser(description="Draw the gallery's figures of one map.")
-    parser.add_argument("recipe", help="maps/NAME.toml")
-    parser.add_argument("map", help="the map swept from it")
+    parser = argparse.ArgumentParser(description="Draw the gallery's figures of maps.")
+    parser.add_argument("maps", nargs="+", metavar="map", help="build/maps/NAME.h5")
     parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parents[1] / "maps")
     options = parser.parse_args(arguments)
     try:
-        recipe = load_recipe(options.recipe)
-        stability_map = load_map(options.map)
-        if stability_map.recipe.digest != recipe.digest:
-            raise InputError(
-                f"{options.map}: was swept from another recipe than {options.recipe} (got digest "
-                f"{stability_map.recipe.digest[:12]} and {recipe.digest[:12]}); sweep it again."
-            )
-        draw_all(recipe, options.output / recipe.name)
-        write_page(options.output / "README.md", recipe.name, block(recipe, stability_map))
+        for path in options.maps:
+            stability_map = load_map(path)
+            recipe = stability_map.recipe
+            draw_all(recipe, options.output / recipe.name)
+            write_page(options.output / "README.md", recipe.name, block(recipe, stability_map))
     except LutgenError as error:
         print(f"gallery: {error}", file=sys.stderr)
         return 1

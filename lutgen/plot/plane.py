@@ -12,7 +12,7 @@ from lutgen.arrays import Bools, Floats
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
 
-CELLS, FINER = 180, 6
+CELLS, FINER = 180, 4
 # The rest of a step after so many halvings, in degrees: contours end from BREAK on, and a line
 # is drawn from FAINT on if it is DRAWN high somewhere and SHORTEST cells long.
 HALVINGS, BREAK, FAINT, DRAWN, SHORTEST = 6, 0.3, 1.0, 2.5, 8
@@ -27,9 +27,9 @@ ALIKE, INSIDE = 2.0, 0.7
 class Plane:
     """A channel over two parameters, all as shown.
 
-    `values` are on a mesh `x`, `y`; `big` on one five times finer, `fx`, `fy`, exact where it jumps
-    or is steep.  Both are NaN where the robot tips over, or below 0 for the tip-over angle; `tips`
-    says where that is in `big`.  `degree` is what counts as one degree.
+    `values` are on a mesh `x`, `y`; `big` on one `FINER` times as fine, `fx`, `fy`, exact where it
+    jumps or is steep.  Both are NaN where the robot tips over, or below 0 for the tip-over angle;
+    `tips` says where that is in `big`.  `degree` is what counts as one degree.
     """
 
     def __init__(self, view: View, cells: int = CELLS) -> None:

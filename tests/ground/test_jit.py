@@ -2,6 +2,7 @@
 
 import ast
 import functools
+import gc
 import os
 import re
 import shutil
@@ -215,3 +216,9 @@ def test_kernels_add_in_the_order_of_the_source():
     for value in values:
         in_order += float(value)
     assert cancelling(values) == in_order
+
+
+def test_garbage_is_collected_again_after_compiling_fails():
+    with pytest.raises(numba.TypingError):
+        ratio("one", 1.0)
+    assert gc.isenabled()
