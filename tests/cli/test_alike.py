@@ -93,7 +93,7 @@ ANSWERS = """
 3 | path r.toml --points 3
   robot length_unit terrain method objective convention lag points length ground_tilt_deg path runs
 0 | budget r.toml
-  robot source heading_deg turn_m bump_m budgets
+  robot heading_deg turn_m bump_m budgets
 0 | weigh r.toml --scales scales.csv
   robot length_unit mass mass_std recipe_mass com_shift com_std com_open readings next keys
 0 | plot r.toml -o figure.svg --kind robot
