@@ -199,7 +199,6 @@ REFUSED = """
 2 | import -x rover.xacro -o a.toml --package a | write NAME=DIR
 2 | import -x rover.xacro -o a.toml --package =. | write NAME=DIR
 2 | import -x rover.xacro -o a.toml --package a=/nowhere | is in no folder that there is
-2 | import rover.urdf -o none.toml --merge | none.toml: there is no such file
 2 | import rover.urdf -o a.toml --srdf none.srdf | there is no such file
 2 | import rover.urdf -o a.toml -p lens_mount=1 | no such moving joint
 2 | import rover.urdf -o a.toml -p arms=90 | goes from -45.8366 to 45.8366 deg
