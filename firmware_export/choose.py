@@ -40,14 +40,13 @@ LARGEST = 1 << 18
 class Candidate:
     """An encoded export without certificate, and what the chooser measured on it.
 
-    `bytes` are those of the tables, `total` with descriptors and code as far as those are known;
-    `errors` (percent of the range) of each length channel the largest, or p99 where |SD_g| jumps,
-    of an export of the tip angle alone that of the tip angle; `false_tip` the share of the standing
+    `total` are the bytes of tables, descriptors and code as far as those are known; `errors`
+    (percent of the range) of each length channel the largest, or p99 where |SD_g| jumps, of an
+    export of the tip angle alone that of the tip angle; `false_tip` the share of the standing
     uniform points that are called tipping; `false_safe` the points that are called safe and tip.
     """
 
     export: Export
-    bytes: int
     total: int
     errors: dict[str, float]
     false_tip: float
@@ -62,19 +61,6 @@ class Candidate:
     def error(self) -> float:
         """The greatest of `errors`, percent."""
         return max(self.errors.values())
-
-    def row(self, chosen: bool) -> dict[str, Any]:
-        """Return the row of the table of candidates."""
-        return {
-            "codec": self.export.codec,
-            "label": self.label,
-            "bytes": self.bytes,
-            "total_bytes": self.total,
-            "error": next(iter(self.errors.values())),
-            "errors": self.errors,
-            "false_tip": self.false_tip,
-            "chosen": chosen,
-        }
 
 
 @dataclass(frozen=True)
@@ -142,14 +128,13 @@ class Trials:
 
     def _assessed(self, export: Export) -> Candidate:
         """Measure an export: its bytes, with descriptors and code, and its answers."""
-        size, reader = flash_bytes(export), device(export)
+        reader = device(export)
         seen = [reader.compare(known) for known in self.sample]
         # The certificate lowers tested tables until it finds none.
         wrong = 0 if export.tables.tested else sum(int(one.false_safe.sum()) for one in seen)
         return Candidate(
             export,
-            int(size["tables"]),
-            int(size["total"]),
+            int(flash_bytes(export)["total"]),
             {channel: self._error(seen, channel) for channel in self.bounded},
             seen[0].false_tip,
             wrong,
@@ -209,24 +194,6 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     while low < high:
         middle = (low + high) // 2
         low, high = (middle + 1, high) if larger(sizes[middle]) else (low, middle)
-
-
-def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
-    """Return the rows of the table of candidates: of each codec those that none of it beats."""
-    rows, candidates = [], [one for one in trials.tried.values() if one is not None]
-    for one in candidates:
-        beaten = any(
-            o.total <= one.total
-            and o.error <= one.error
-            and (o.total, o.error) != (one.total, one.error)
-            for o in candidates
-            if o.export.codec == one.export.codec
-        )
-        # Its guard may be another since, see `exporter.guarded`.
-        is_chosen = (one.export.codec, one.label) == (chosen.export.codec, chosen.label)
-        if math.isfinite(one.error) and (is_chosen or not beaten):
-            rows.append(one.row(is_chosen))
-    return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))
 
 
 def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:

@@ -9,7 +9,7 @@ from typing import Any
 
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import POINTS, SEED, Certificate, certify, put_to_test
-from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
+from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
@@ -179,7 +179,7 @@ def certified(
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
     }
-    return replace(chosen.export, certificate=result, pareto=front(trials, chosen))
+    return replace(chosen.export, certificate=result)
 
 
 def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:

@@ -1,15 +1,13 @@
 """Run the command `lutgen`, as a program and as `python -m lutgen`.
 
-Ctrl-C ends the program without a word while the commands are being imported.  If it falls into a
-callback of a compiled library, which can only drop it, it is raised again.
+Ctrl-C ends the program without a word while the commands are being imported, and where it falls
+into a callback of a compiled library, which could only drop it.
 """
 
-import _thread
 import io
 import os
 import signal
 import sys
-import threading
 from typing import TYPE_CHECKING, NoReturn
 
 # One that is ignored, as in the background of a shell, stays so.
@@ -26,36 +24,23 @@ if TYPE_CHECKING:
 
 __all__ = ["program"]
 
-# Seconds after which a dropped Ctrl-C comes again: by then the callback has ended.
-AGAIN = 0.05
-_interrupts: list[int] = []
+
+def _dropped(what: "UnraisableHookArgs") -> None:
+    """End the program on a Ctrl-C that was dropped; objects that it left half made say nothing."""
+    if issubclass(what.exc_type, KeyboardInterrupt):
+        os._exit(1)
 
 
 def _interrupt(number: int, frame: "FrameType | None") -> None:
-    """Raise KeyboardInterrupt, and keep that it was raised."""
-    _interrupts.append(number)
+    """Raise KeyboardInterrupt."""
+    sys.unraisablehook = _dropped
     signal.default_int_handler(number, frame)
-
-
-if _heard:
-    signal.signal(signal.SIGINT, _interrupt)
 
 
 def program() -> NoReturn:
     """Run the command line and exit."""
-    usual = sys.unraisablehook
-
-    def dropped(what: "UnraisableHookArgs") -> None:
-        if not issubclass(what.exc_type, KeyboardInterrupt):
-            # An object that Ctrl-C left half made complains when it goes.
-            if not _interrupts:
-                usual(what)
-            return
-        later = threading.Timer(AGAIN, _thread.interrupt_main)
-        later.daemon = True
-        later.start()
-
-    sys.unraisablehook = dropped
+    if _heard:
+        signal.signal(signal.SIGINT, _interrupt)
     # A console that lacks a character of a name shows its number.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

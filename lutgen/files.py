@@ -58,10 +58,7 @@ def check_kind(path: str | os.PathLike[str]) -> None:
 
 
 def check_target(
-    path: str | os.PathLike[str],
-    force: bool = False,
-    content: bytes | None = None,
-    way_out: str = "choose another name, or pass --force to replace it",
+    path: str | os.PathLike[str], force: bool = False, content: bytes | None = None
 ) -> None:
     """Refuse to write where something stands that lutgen did not make.
 
@@ -77,6 +74,7 @@ def check_target(
         if is_ours(path) or (same and Path(path).read_bytes() == content):
             return
     what = "is there already, without a mark that lutgen made it"
+    way_out = "choose another name, or pass --force to replace it"
     reject(path, what, "no --force", way_out, InputError)
 
 

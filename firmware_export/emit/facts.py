@@ -113,7 +113,6 @@ def report(export: Export) -> dict[str, Any]:
         "false_safe": certificate.get("false_safe"),
         "points": certificate.get("points"),
         "certificate": certificate or None,
-        "pareto": export.pareto,
     }
     result: dict[str, Any] = plain(content)
     return result

@@ -194,8 +194,8 @@ class Export:
 
     `name` is the C identifier and the stem of the files, `model` the exact function that the tables
     stand for, `channels` a part of `quantities.EXPORTABLE` in that order.  `certificate` is what
-    was measured, see `certify.Certificate` (each key may be absent), `pareto` the candidates of the
-    choice, see `choose.front`; `policy` is None for an export that is only read.
+    was measured, see `certify.Certificate` (each key may be absent); `policy` is None for an export
+    that is only read.
     """
 
     name: str
@@ -206,7 +206,6 @@ class Export:
     channels: Channels
     tables: Any
     certificate: dict[str, Any] | None = None
-    pareto: list[dict[str, Any]] | None = None
     policy: Policy | None = None
 
     @property

@@ -33,16 +33,11 @@ class Structure:
 
     Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
     `dof` is 3 - rank of the constraints of the fixed wheels: every motion that some setting of
-    the steered wheels allows.  `steered` is True if a steered wheel touches.  `mobility` and
-    `steerability` are the degrees of Campion, Bastin and d'Andrea-Novel (IEEE Trans. Robotics
-    and Automation 12(1), 1996): motions without turning a steered wheel, and how many steered
-    wheels can be turned independently; they add up to `dof`.
+    the steered wheels allows.  `steered` is True if a steered wheel touches.
     """
 
     dof: int
     steered: bool
-    mobility: int
-    steerability: int
 
     @property
     def category(self) -> str:
@@ -208,7 +203,7 @@ def wheel_speeds(
         possible,
         nearest_velocity=(float(nearest[0]), float(nearest[1])),
         nearest_yaw_rate=turn,
-        structure=_structure(touching, basis * [[1.0], [1.0], [1.0 / size]]),
+        structure=Structure(basis.shape[1], any(one.wheel.steered for one in touching)),
         standing=standing,
     )
 
@@ -249,18 +244,3 @@ def _free_motions(contacts: list[_Rolling], size: float) -> tuple[float, Floats]
     _, spread, motions = np.linalg.svd(np.array(rows))
     rank = int((spread > TOLERANCE * spread[0]).sum())
     return float(spread[0]), motions[rank:].T.copy()
-
-
-def _structure(contacts: list[_Rolling], motions: Floats) -> Structure:
-    """Return the structure of a robot whose fixed wheels leave some motions (3, dof)."""
-    steered = [contact for contact in contacts if contact.wheel.steered]
-    dof, turning = motions.shape[1], 0
-    for contact in steered if dof > 1 else ():
-        # It can turn if the free motions move it in more than one direction: on the common axle of
-        # the fixed ones it can only follow them.
-        moved = [contact.velocity(motion[:2], motion[2]) for motion in motions.T]
-        spread = np.linalg.svd(np.array(moved), compute_uv=False)
-        turning += int(spread[1] > TOLERANCE * spread[0])
-    # Two wheels' axles fix the centre of turning: further ones must follow.
-    steerability = min(turning, max(dof - 1, 0))
-    return Structure(dof, bool(steered), dof - steerability, steerability)

@@ -2,15 +2,14 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
-from lutgen.cli.lazy import Floats, analysis, devices, evaluation, np, robots
-from lutgen.cli.options import RecipeOptions, command, open_recipe, option
+from lutgen.cli.lazy import Floats, analysis, evaluation, np, robots
+from lutgen.cli.options import RecipeOptions, command, option
 from lutgen.errors import InputError, reject
 
 # Where the robot accelerates, body frame.
@@ -23,7 +22,7 @@ WAYS = {
 FACING = {0.0: "nose down", 90.0: "left side down", 180.0: "nose up", 270.0: "right side down"}
 # Most slopes and most postures, and the steepest slope (deg).
 MOST, STEEPEST = 200, 80.0
-# m/s^2: neither the recipe nor the C looks further than 50.
+# m/s^2: a budget is looked for up to 50.
 BOUNDLESS = 49.9
 
 
@@ -53,35 +52,25 @@ class Options(RecipeOptions):
         default=0.0,
         help="Height of a bump below one contact as it stops, m.",
     )
-    reads: int = option(
-        type=given.Number(int, 1, 32),
-        default=4,
-        help="Reads of an export's map for each budget, 1 to 32.",
-    )
     output: str | None = given.output(help="CSV file of the table.")
     force: bool = given.force()
 
 
-@command("source", Options)
-def budget(source: str, options: Options) -> None:
-    """Print how hard SOURCE may brake and turn before it tips over.
+@command("recipe", Options)
+def budget(robot: "robots.Recipe", options: Options) -> None:
+    """Print how hard the robot of RECIPE may brake and turn before it tips over.
 
-    A recipe's budget is exact; that of an export's folder is what its C says (smap_budget), never
-    too much.  The robot stands on a slope and leans as its shape makes it.  Turning is given with
-    the speed at which a turn of --turn takes it.  Sliding is not included.  For a recipe it also
-    prints from which speed a dead stop does not tip it, all contacts at once in each heading or one
-    contact alone in any.
+    The robot stands on a slope and leans as its shape makes it.  Turning is given with the speed at
+    which a turn of --turn takes it.  Sliding is not included.  Also printed is from which speed a
+    dead stop does not tip it, all contacts at once in each heading or one contact alone in any.
 
     \b
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0
-    $ lutgen budget firmware --over front=0:90 -o budget.csv
+    $ lutgen budget maps/absolem.toml --over front=0:90 -o budget.csv
     """
-    robot, limit = opened(source, options)
-    kind = "compiled" if Path(source).is_dir() else "exact"
-    rows = budget_rows(robot, limit, postures(robot, options), options, kind == "exact")
+    rows = budget_rows(robot, postures(robot, options), options)
     report = {
         "robot": robot.name,
-        "source": kind,
         "heading_deg": options.heading,
         "turn_m": options.turn,
         "bump_m": options.bump,
@@ -89,26 +78,10 @@ def budget(source: str, options: Options) -> None:
     }
     flat = [{**row["posture"], **row} for row in rows]
     for row in flat:
-        row |= {f"stop_at_{at}_deg_m_s": v for at, v in row.pop("stop_speeds_m_s", {}).items()}
+        row |= {f"stop_at_{at}_deg_m_s": v for at, v in row.pop("stop_speeds_m_s").items()}
     columns = {key: [row[key] for row in flat] for key in flat[0] if key != "posture"}
     output.save_columns(columns, options.output, options.force)
     output.show(report, lines)
-
-
-def opened(source: str, options: Options) -> "tuple[robots.Recipe, Callable[..., Floats]]":
-    """Return the robot, and what limits postures under directions of gravity in directions."""
-    if Path(source).is_dir():
-        from firmware_export.host import budget as read
-
-        folder = devices.ExportFolder(source)
-        if folder.integer:
-            what = "smap_budget computes with floats"
-            reject(source, what, "integer arithmetic", "export with --arithmetic float", InputError)
-        return folder.recipe(), lambda params, gravity, way: read(
-            folder.blob, params, gravity, way, options.reads
-        )[0].astype(float)
-    robot = open_recipe(source, options.allow_python)
-    return robot, lambda params, gravity, way: analysis.budgets(robot, params, gravity, way)
 
 
 def postures(robot: "robots.Recipe", options: Options) -> "Floats":
@@ -136,19 +109,17 @@ def slopes_of(text: str) -> "Floats":
 
 
 def budget_rows(
-    robot: "robots.Recipe",
-    limit: "Callable[..., Floats]",
-    postures: "Floats",
-    options: Options,
-    stops: bool,
+    robot: "robots.Recipe", postures: "Floats", options: Options
 ) -> list[dict[str, Any]]:
-    """Return a row for each posture (p, k) and slope, with speeds of `stops` if they are wanted."""
+    """Return a row for each posture (p, k) and slope."""
     slopes = slopes_of(options.slope)
     params, slope = np.repeat(postures, len(slopes), axis=0), np.tile(slopes, len(postures))
     ground = analysis.tilted(np.radians(slope), math.radians(options.heading))
     down = evaluation.body_gravity(robot, params, ground, "plane")
     found = {
-        f"{name.replace(' ', '_')}_m_s2": limit(params, down, np.tile(way, (len(params), 1)))
+        f"{name.replace(' ', '_')}_m_s2": analysis.budgets(
+            robot, params, down, np.tile(way, (len(params), 1))
+        )
         for name, way in WAYS.items()
     }
     sides = np.minimum(found["turning_left_m_s2"], found["turning_right_m_s2"])
@@ -158,7 +129,7 @@ def budget_rows(
             "posture": output.by_unit(robot, params[i]),
             "slope_deg": float(slope[i]),
             **{key: float(values[i]) for key, values in found.items()},
-            **(stop_entries(robot, params[i], down[i], options) if stops else {}),
+            **stop_entries(robot, params[i], down[i], options),
         }
         for i in range(len(params))
     ]
@@ -177,9 +148,8 @@ def stop_entries(
 
 def lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    exact = "exactly" if report["source"] == "exact" else "as its C says"
     facing = FACING.get(report["heading_deg"] % 360.0, f"heading {report['heading_deg']:g} deg")
-    yield f"{report['robot']}: acceleration before it tips over, {exact}; slopes {facing}"
+    yield f"{report['robot']}: acceleration before it tips over; slopes {facing}"
     yield (
         f"none: none below 50 m/s2; a turn of {report['turn_m']:g} m takes the less of both sides "
         "at the last speed"
@@ -197,7 +167,7 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
 
 def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
     """Return the speeds of stops as text, if there are any."""
-    if rows[0].get("stop_speed_m_s") is None:
+    if rows[0]["stop_speed_m_s"] is None:
         return
     on = f" on a bump of {bump:g} m" if bump else ""
     yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lutgen.cli import options as given
-from lutgen.cli.lazy import Floats, maps, proposals, robots
+from lutgen.cli.lazy import Floats, maps, proposals
 from lutgen.cli.options import command, finite_numbers, log, option
 from lutgen.cli.output import show
 from lutgen.errors import InputError, RecipeError, reject
-from lutgen.files import check_target, write_text
+from lutgen.files import write_text
 from lutgen.parts import Contact
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ STANDS_NOWHERE = (
     "the robot stands in none of its postures on these contacts; choose others with --contact, or "
     "correct them in the recipe"
 )
-# How the refusal ends where a recipe may have been edited.
-KEPT = "pass --merge to keep what was edited by hand, or --force to write over it"
 
 
 @dataclass(frozen=True)
@@ -51,10 +49,6 @@ class Options:
     )
     soft_limits: bool = option(
         is_flag=True, help="Take the soft limits of <safety_controller> as the joints' limits."
-    )
-    merge: bool = option(
-        is_flag=True,
-        help="Keep the recipe that is there: only masses and places of its links become new.",
     )
     force: bool = given.force(help="Write over a recipe that is there, and what was edited in it.")
     assignments: tuple[tuple[str, float], ...] = given.repeated(
@@ -90,8 +84,7 @@ def import_(urdf: str, options: Options) -> None:
     contact, or the centre of mass by more than 0.5 % of the robot's size, becomes a parameter; of
     more than ten those that are alike move together.
 
-    A recipe that is there stays as it is unless --merge or --force is given; give --merge the same
-    options as the first time.
+    A recipe that is there stays as it is unless --force is given.
 
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
@@ -137,13 +130,7 @@ def import_(urdf: str, options: Options) -> None:
     }
     for words in made.warnings:
         log.warning("%s: %s", urdf, words)
-    text = made.text
-    if options.merge:
-        old = robots.read_text(options.output)
-        text, report["changed"] = robots.merged_recipe(old, options.output, made.text)
-    else:
-        check_target(options.output, options.force, text.encode("utf-8"), KEPT)
-    write_text(options.output, text, options.force or options.merge)
+    write_text(options.output, made.text, options.force)
     try:
         maps.require_standing(made.recipe)
     except RecipeError:
@@ -168,9 +155,6 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     yield from (f"  {what}" for what in report["guessed"])
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])
-    if "changed" in report:
-        yield "changed:" if report["changed"] else "nothing changed"
-        yield from (f"  {what}" for what in report["changed"])
 
 
 def scaled(joint: str, scale: float) -> str:

@@ -12,7 +12,7 @@ from lutgen.cli.lazy import analysis, charts, np, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, option
 from lutgen.quantities import QUANTITIES
 
-STRUCTURE = "category dof steered degree_of_mobility=mobility degree_of_steerability=steerability"
+STRUCTURE = "category dof steered"
 WHEEL = "contact touches speed_rad_s=speed steering_deg slip"
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
 # The frame's own axes have names.
@@ -122,7 +122,7 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
 
     \b
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
-    paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
+    paper_two: 3 DoF, non-steered
     """
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     yaw_rate = math.radians(options.yaw_rate)
@@ -147,13 +147,11 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
 
 def motion_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    found = report["structure"]
     # The paper's lengths are ratios and have no unit.
     unit = "1/s" if report["length_unit"] == "1" else f"{report['length_unit']}/s"
     yield (
         f"{report['robot']}: {'' if report['standing'] else output.VERDICTS['tips'] + ', '}"
-        f"{found['category']} (degree of mobility {found['degree_of_mobility']}, of steerability "
-        f"{found['degree_of_steerability']})"
+        f"{report['structure']['category']}"
     )
     yield from output.posture_lines(report)
     rows = [["wheel", "speed rad/s", "steering deg", f"slip {unit}"]]

@@ -1,7 +1,7 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `schema`, `load`, `model`, `rules`, `described`, `gallery`,
-`kinematics`, `snap`, `recipe`, `merge`.
+`kinematics`, `snap`, `recipe`.
 """
 
 from lutgen.recipe.described import body_parts
@@ -15,7 +15,6 @@ from lutgen.recipe.kinematics import (
     within_limits,
 )
 from lutgen.recipe.load import HDF5, read_tables, read_text, recipe_schema
-from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.model import Recipe, recipe_digest
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from lutgen.recipe.snap import TOLERANCE, contact_tolerance_of, robot_size_of

@@ -70,12 +70,11 @@ ANSWERS = """
 3 | eval r.h5 -g 0,0,1
   robot source length_unit on_chart standing sdg height tip_angle_deg margin energy_margin
   least_share status posture posture_from
-0 | limits r.toml --all --best --headings 4 --least-share front=0.1
+0 | limits r.toml --all --least-share front=0.1
   robot length_unit convention posture friction friction_angle_deg limits guaranteed_tilt_deg
   guaranteed_body_tilt_deg guaranteed_ground_tilt_deg guaranteed_ground_tip_deg
   ground_sliding_included worst_ground_heading_deg worst_ground_tilt_deg worst_ground_contacts
   ground_rolling_included forces_act stands_on_level_ground posture_from share_limits all_postures
-  best_postures
 0 | metrics r.toml --headings 4
   robot length_unit tilt_deg level headings posture posture_from
 0 | wheels r.toml
@@ -93,7 +92,7 @@ ANSWERS = """
 3 | path r.toml --points 3
   robot length_unit terrain method objective convention lag points length ground_tilt_deg path runs
 0 | budget r.toml
-  robot source heading_deg turn_m bump_m budgets
+  robot heading_deg turn_m bump_m budgets
 0 | weigh r.toml --scales scales.csv
   robot length_unit mass mass_std recipe_mass com_shift com_std com_open readings next keys
 0 | plot r.toml -o figure.svg --kind robot

@@ -124,8 +124,6 @@ REFUSED = """
 2 | eval firmware -p swnig=1 | no parameter 'swnig'
 2 | eval folder.toml | is no folder of `lutgen export`
 2 | eval changed | is not the file that was exported
-2 | limits tripod.toml --headings 6 | must be a multiple of 4 (got 6)
-2 | limits tripod.toml --best --headings 100000000 | beyond the limit of 36,000 headings
 2 | limits tripod.toml -o limits.gif | unknown kind of picture
 2 | limits tripod.toml -o missing/limits.png | cannot be written
 2 | metrics tripod.toml --tilt 181 | 181 is not in the range: at least 0 and at most 180
@@ -152,9 +150,6 @@ REFUSED = """
 2 | path two.toml --terrain none.csv | none.csv: there is no such file
 2 | path two.toml --terrain none.csv --points 5 | leave it out
 2 | path two.toml --terrain odd.csv | line 1 names no column x (got x;y;z)
-2 | path two.toml --rate alpha=1 | need a speed
-2 | path two.toml --rate alpha=1 --rate alpha=2 --speed 1 | given twice
-2 | path two.toml --no-control --speed 1 | a shape that does not change has no rates
 2 | path two.toml --lag -1 | -1 is not in the range: at least 0
 2 | path two.toml --points 3 -o missing/run.csv | cannot be written
 2 | path two.toml --points 2 --animate missing/film.gif | cannot be written
@@ -204,7 +199,6 @@ REFUSED = """
 2 | import -x rover.xacro -o a.toml --package a | write NAME=DIR
 2 | import -x rover.xacro -o a.toml --package =. | write NAME=DIR
 2 | import -x rover.xacro -o a.toml --package a=/nowhere | is in no folder that there is
-2 | import rover.urdf -o none.toml --merge | none.toml: there is no such file
 2 | import rover.urdf -o a.toml --srdf none.srdf | there is no such file
 2 | import rover.urdf -o a.toml -p lens_mount=1 | no such moving joint
 2 | import rover.urdf -o a.toml -p arms=90 | goes from -45.8366 to 45.8366 deg

@@ -14,7 +14,7 @@ from firmware_export.emit import package, size
 from firmware_export.emit.facts import report
 from firmware_export.emit.render import texts
 from lutgen.errors import ExportError, InputError
-from tests.fixtures.exports import PARETO, rover_export, tripod_export
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.places import ROOT
 from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
@@ -81,7 +81,6 @@ def test_the_report_has_what_a_program_asks_for(export, tmp_path):
     assert content["bytes"]["code"] == size.code_bytes("points")
     assert content["bytes"]["measured"] is False
     assert (content["false_safe"], content["false_tip"]) == (0, 0.0123)
-    assert content["pareto"] == PARETO
 
 
 # @TOTAL@, @CODE@ and @DIGEST@ are replaced.
@@ -133,7 +132,7 @@ def test_what_has_no_bound_or_was_not_measured_is_not_claimed():
     sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
     jumps = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
     assert "no bound, seen: 0.5 m (40 %)" in text_of(jumps, "rover.h")
-    text = text_of(tripod_export(certificate=None, pareto=None), "tripod.h")
+    text = text_of(tripod_export(certificate=None), "tripod.h")
     assert "Errors: not measured." in text
     assert "reported unsafe: not measured" in text
     assert "bytes, measured" not in text
