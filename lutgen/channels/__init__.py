@@ -1,18 +1,15 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `wrench`, `evaluation`, `rows`,
-`scan`.
+In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `measuring`, `wrench`,
+`evaluation`, `rows`, `scan`.
 """
 
 from lutgen.channels.axes import MU, PHI, RHO, empty_axes, find_axes, part
 from lutgen.channels.evaluation import (
-    Memory,
     body_gravity,
     evaluate,
     evaluate_each,
     measure_recipe,
-    own_memory,
-    region_of,
     stability,
 )
 from lutgen.channels.exact import (
@@ -27,6 +24,7 @@ from lutgen.channels.exact import (
     wanted_channels,
 )
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
+from lutgen.channels.measuring import Memory, own_memory, region_of
 from lutgen.channels.resting import CONVENTIONS, turned
 from lutgen.channels.scan import Scanner
 from lutgen.channels.shares import axle_foot, smallest_shares

@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from lutgen.arrays import Floats, Singles
-from lutgen.channels.evaluation import Memory, measure_recipe, own_memory
+from lutgen.channels.evaluation import measure_recipe
 from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
 from lutgen.channels.loads import share_of
+from lutgen.channels.measuring import Memory, own_memory
 from lutgen.channels.rows import (
     PAD,
     Nodes,

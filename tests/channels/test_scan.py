@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import measure_postures
 from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.measuring import measure_postures
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan_part, scratch_for
 from lutgen.chart import Chart

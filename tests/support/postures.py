@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from lutgen.channels.evaluation import measure_postures
+from lutgen.channels.measuring import measure_postures
 from lutgen.support import FACETS, SHOWN, acceptance, empty_region, stand
 from tests.oracles.primitives import Floats, size_of, unit
 from tests.oracles.standing import Limits, Standing, facets_of
