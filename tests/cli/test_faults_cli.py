@@ -144,6 +144,8 @@ def test_a_command_that_is_interrupted_ends_without_a_traceback():
     ends = set()
     for step in range(part(40, 13)):
         status, said = interrupted(started + 1.4 * step / part(40, 13))
+        if "Fatal Python error: init" in said:
+            continue  # The signal came before Python had started.
         assert "Traceback" not in said, said
         # Killed by the signal, aborted, or done before it came.
         assert status in (-signal.SIGINT, 1, 0), said
