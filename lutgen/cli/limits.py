@@ -11,7 +11,7 @@ from lutgen.cli import output
 from lutgen.cli.lazy import analysis, np, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, option
 
-# Headings of the figure's curves.
+# The curves of the figure have this many headings or more.
 FIGURE = 72
 FIRST = {None: "-", True: "slides first", False: "tips first"}
 
@@ -20,6 +20,8 @@ FIRST = {None: "-", True: "slides first", False: "tips first"}
 class Options(RecipeOptions, FigureOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
+    best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
+    headings: int = option(default=24, help="How many the table of --best has; a multiple of 4.")
     convention: str = given.convention(
         "plane",
         "body",
@@ -48,16 +50,20 @@ def limits(robot: "robots.Recipe", options: Options) -> None:
     guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
     output.check_outputs(options.force, options.output)
+    # Refused before the work, which takes as many as the figure needs.
+    around = analysis.even_headings(options.headings)
     posture = analysis.Posture(robot, given.posture_values(robot, options.assignments))
     found, swept = analysis.posture_limits(posture, options.convention), None
-    if options.over_all:
+    if options.over_all or options.best:
         grid = robot.grid
+        around = analysis.even_headings(options.headings * -(-FIGURE // options.headings))
         # Before a row of parameters is made for each.
-        bounds.check(grid.size * FIGURE, bounds.LIMITS, robot.source, "sweep fewer samples")
-        rows, around = grid.params(range(grid.size)), analysis.even_headings(FIGURE)
+        way_out = "sweep fewer samples, or fewer headings"
+        bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
+        rows = grid.params(range(grid.size))
         swept = analysis.sweep_limits(robot, rows, around, options.convention)
     output.save_figure(
-        lambda plot: plot.draw_limits(robot, found, swept),
+        lambda plot: plot.draw_limits(robot, found, swept, worst=options.over_all),
         options.output,
         options,
     )
@@ -66,8 +72,18 @@ def limits(robot: "robots.Recipe", options: Options) -> None:
     if options.least_share:
         wanted, convention = options.least_share, options.convention
         report["share_limits"] = [share_entry(posture, *one, convention) for one in wanted]
-    if swept is not None:
+    if swept is not None and options.over_all:
         report["all_postures"] = all_postures(robot, swept)
+    if swept is not None and options.best:
+        # The swept headings are a multiple of those that are listed.
+        report["best_postures"] = [
+            {
+                "heading_deg": math.degrees(swept.headings[i]),
+                "tilt_deg": down(swept.most[i]),
+                "posture": output.by_unit(robot, swept.params[swept.most_at[i]]),
+            }
+            for i in range(0, len(around), len(around) // options.headings)
+        ]
     output.show(report, limits_lines, 0 if found.stands else output.TIPS)
 
 
@@ -186,6 +202,13 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         yield f"  {tilts}; in the worst of {FIGURE} headings {least}"
     if "all_postures" in report:
         yield from all_lines(report["all_postures"])
+    if "best_postures" in report:
+        yield ""
+        rows = [["heading", "body tilt", "best posture"]]
+        for row in report["best_postures"]:
+            posture = output.posture_text(row["posture"])
+            rows.append([f"{row['heading_deg']:.1f} deg", angle_text(row["tilt_deg"]), posture])
+        yield from output.aligned(rows)
 
 
 def heading_rows(report: dict[str, Any]) -> Iterator[list[str]]:

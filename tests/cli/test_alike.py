@@ -70,11 +70,12 @@ ANSWERS = """
 3 | eval r.h5 -g 0,0,1
   robot source length_unit on_chart standing sdg height tip_angle_deg margin energy_margin
   least_share status posture posture_from
-0 | limits r.toml --all --least-share front=0.1
+0 | limits r.toml --all --best --headings 4 --least-share front=0.1
   robot length_unit convention posture friction friction_angle_deg limits guaranteed_tilt_deg
   guaranteed_body_tilt_deg guaranteed_ground_tilt_deg guaranteed_ground_tip_deg
   ground_sliding_included worst_ground_heading_deg worst_ground_tilt_deg worst_ground_contacts
   ground_rolling_included forces_act stands_on_level_ground posture_from share_limits all_postures
+  best_postures
 0 | metrics r.toml --headings 4
   robot length_unit tilt_deg level headings posture posture_from
 0 | wheels r.toml

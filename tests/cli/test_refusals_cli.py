@@ -124,6 +124,8 @@ REFUSED = """
 2 | eval firmware -p swnig=1 | no parameter 'swnig'
 2 | eval folder.toml | is no folder of `lutgen export`
 2 | eval changed | is not the file that was exported
+2 | limits tripod.toml --headings 6 | must be a multiple of 4 (got 6)
+2 | limits tripod.toml --best --headings 100000000 | beyond the limit of 36,000 headings
 2 | limits tripod.toml -o limits.gif | unknown kind of picture
 2 | limits tripod.toml -o missing/limits.png | cannot be written
 2 | metrics tripod.toml --tilt 181 | 181 is not in the range: at least 0 and at most 180
