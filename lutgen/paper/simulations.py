@@ -18,6 +18,7 @@ from lutgen.mapping import load_map, sweep
 from lutgen.paper.model import DOWN, NOMINAL, TABLE, TURN, paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Drive, Optimum, drive, optimum, paper_path, turned
+from lutgen.search import Path as TerrainPath
 from lutgen.vector import Floats
 
 # |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
@@ -106,13 +107,14 @@ def second_optimum() -> float:
     return math.degrees(brentq(uneven, -0.5, 0.0))
 
 
-def third_simulation(**options: Any) -> Drive:
-    """Drive from the nominal shape along the paper's path; `options` are those of `drive`.
+def third_simulation(path: TerrainPath | None = None, turn: float = TURN, **options: Any) -> Drive:
+    """Drive from the nominal shape along a path, by default the paper's, turned by `turn` deg.
 
     The paper leaves open which way its wheels point, how the robot leans on its path and where the
-    nodes of its search lie.  This is one reading that is consistent with its two percentages.
+    nodes of its search lie.  The defaults are one reading that is consistent with its two
+    percentages; `options` are those of `drive`.
     """
-    ground = turned(paper_path(), math.radians(TURN))
+    ground = turned(paper_path() if path is None else path, math.radians(turn))
     return drive(paper_recipe(), ground, params0=np.full(2, NOMINAL), **options)
 
 

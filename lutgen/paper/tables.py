@@ -12,9 +12,9 @@ from markupsafe import Markup
 from lutgen.analysis import heuristic_forces, normal_forces
 from lutgen.arrays import Bools
 from lutgen.paper.model import CONTROLLED, HEIGHT, NOMINAL, TABLE, UNCONTROLLED, paper_recipe
-from lutgen.paper.simulations import HEADINGS, Results, level_values
+from lutgen.paper.simulations import HEADINGS, Results, level_values, third_simulation
 from lutgen.recipe import postures
-from lutgen.search import paper_path, turned
+from lutgen.search import Path, along, paper_path, turned
 
 # The paper's T_g first; P and F are common names of the two readings.
 LETTERS = {"plane": "P", "body": "F"}
@@ -24,6 +24,23 @@ METHODS = {
     "search": "searching algorithm",
     "multistart": "many starts",
 }
+# The paper's path on ground that is level across it: a hundred times as fine, its slopes are exact.
+FINE = along(paper_path(9901).position, np.zeros(9901))
+LEVEL_ACROSS = Path(FINE.position[::100], FINE.heading[::100], FINE.gravity[::100])
+# Other readings of simulation 3, each of which departs from it in one thing.
+READINGS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("the reading above", {}),
+    *(("other number of points", {"path": paper_path(points)}) for points in (50, 200, 500)),
+    ("nodes of the search at the right ends of its cells", {"ends": "right"}),
+    ("no lag: the geometry found for the point itself", {"lag": 0}),
+    ("ground level across the path, heading kept", {"path": LEVEL_ACROSS}),
+    ("gravity fixed in the body while the legs move (F)", {"convention": "body"}),
+    ("P1 ahead", {"turn": 0.0}),
+    ("P1 and P2 ahead, P3 behind", {"turn": -60.0}),
+    ("tip-over angle as the objective instead of |SD_g|", {"objective": "tip_angle"}),
+)
+# Options that a run without control has, too.
+GROUND = ("path", "turn", "convention")
 # Pitch and heading (deg).  The slope rises towards the heading, seen from the com; wheel 1 is at
 # heading 0.  39.7 and 58 deg are close to tipping, atan(10/12) = 39.81 and atan(20/12) = 59.04.
 SLOPES = ((0, 0), (10, 0), (20, 0), (30, 0), (39.7, 0), (30, 180), (58, 180), (30, 90))
@@ -57,7 +74,7 @@ def tables(results: Results) -> dict[str, Table]:
     """Return all tables by name."""
     build = (methods, search_steps, table1, runs, fig16_17_path)
     found = {each.__name__: each(results) for each in build}
-    return found | {each.__name__: each() for each in (fig08_curve, forces)} | errata()
+    return found | {each.__name__: each() for each in (fig08_curve, variants, forces)} | errata()
 
 
 def fig08_curve() -> Table:
@@ -154,6 +171,23 @@ def _ranges(tips: Bools) -> str:
         for begin, end in edges.reshape(-1, 2)
     ]
     return ", ".join(parts) or "none"
+
+
+def variants() -> Table:
+    """Return the shares that tip over for other readings of simulation 3."""
+    head = [
+        Column("reading", "reading"),
+        Column("points", "points", "d"),
+        Column("without_percent", "tips without control (%)", ".1f"),
+        Column("control_percent", "with control (%)", ".1f"),
+    ]
+    rows = []
+    for name, options in READINGS:
+        kept = {key: options[key] for key in GROUND if key in options}
+        both = third_simulation(control=False, **kept), third_simulation(**options)
+        shares = [100.0 * run.share for run in both]
+        rows.append([name, len(both[0].tips), *shares])
+    return Table(head, rows)
 
 
 def forces() -> Table:
