@@ -22,7 +22,7 @@ class Options(RecipeOptions):
     method: str = given.method(
         help=(
             "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
-            "mead: one simplex; multistart: many, for objectives with several minima."
+            "mead: one simplex; multistart: many points, for objectives with several minima."
         )
     )
     objective: str = option(

@@ -53,6 +53,11 @@ class Options(RunOptions):
     convention: str = given.convention(
         "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
+    rates: tuple[tuple[str, float], ...] = given.values(
+        "--rate",
+        help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
+    )
+    speed: float | None = given.positive(help="Along the path, length per second; with --rate.")
     headings: int | None = option(
         type=given.Number(int, 1, bounds.HEADINGS.most),
         help="Let the robot turn, too, to this many headings.",
@@ -113,6 +118,10 @@ def drives(robot: "robots.Recipe", options: Options) -> "dict[str, searches.Driv
     """Return the runs by name: with the fixed shape first, with all that is allowed last."""
     ground = open_terrain(options.terrain, options.turn, options.points)
     start = given.posture_values(robot, options.assignments)
+    rates = given.stored_values(robot, options.rates, "--rate")
+    if options.no_control and (rates or options.speed is not None):
+        what, got = "a shape that does not change has no rates", "--no-control with a rate or speed"
+        reject("--rate, --speed", what, got, "leave one of them out", InputError)
 
     def run(control: bool, headings: int | None) -> "searches.Drive":
         return searches.drive(
@@ -122,6 +131,8 @@ def drives(robot: "robots.Recipe", options: Options) -> "dict[str, searches.Driv
             **output.entries(options, "lag method objective convention"),
             params0=start,
             headings=headings,
+            rates=rates if control else None,
+            speed=options.speed if control else None,
         )
 
     turns = [None] if options.headings is None else [None, options.headings]
@@ -152,6 +163,8 @@ def table(recipe: "robots.Recipe", run: "searches.Drive") -> dict[str, Any]:
     columns: dict[str, Any] = vector_columns("", run.path.position)
     columns["heading_deg"] = np.degrees(run.heading).tolist()
     columns |= output.by_unit(recipe, run.params)
+    if (run.wanted != run.params).any():
+        columns |= output.by_unit(recipe, run.wanted, "_wanted")
     columns |= vector_columns("gravity_", run.gravity_body)
     for name, values in run.channels.items():
         one = QUANTITIES[name]
@@ -176,6 +189,7 @@ def run_entry(recipe: "robots.Recipe", name: str, run: "searches.Drive") -> dict
         "least_at": int(angle.argmin()),
         **output.entries(run, "evaluations heading_deg turn_deg"),
         "params": output.by_unit(recipe, run.params),
+        "wanted": output.by_unit(recipe, run.wanted),
         "body_tilt_deg": tilts(run.gravity_body),
         "gravity_body": run.gravity_body,
         "tip_angle_deg": np.degrees(angle),

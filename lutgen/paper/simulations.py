@@ -24,7 +24,7 @@ from lutgen.vector import Floats
 # |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
 # paper's robot tips.
 LIMIT = 1.0
-# The three methods of the paper, and many starts.
+# The three methods of the paper, and one from many points.
 METHODS = ("map", "nelder-mead", "search", "multistart")
 MAP = "paper_two.h5"
 # Headings among which the robot may turn on the path.

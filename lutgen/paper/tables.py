@@ -22,7 +22,7 @@ METHODS = {
     "map": "stability map",
     "nelder-mead": "Nelder-Mead (fminsearch)",
     "search": "searching algorithm",
-    "multistart": "many starts",
+    "multistart": "differential evolution",
 }
 # The paper's path on ground that is level across it: a hundred times as fine, its slopes are exact.
 FINE = along(paper_path(9901).position, np.zeros(9901))

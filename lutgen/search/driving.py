@@ -5,6 +5,7 @@ of an earlier point, and it may turn, too.  It tips where the attitude that it t
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,12 +33,12 @@ class Drive:
     """One run along a path of p points.
 
     `path` is as given, the robot in its own heading.  `params` (p, k) is the geometry at each
-    point, rad or length, and `wanted` (p, k) the one that control requested; another one only under
-    on-board control.  `turn` (p,) is by how much the robot is turned against the path's heading, to
-    the left, and `heading` (p,) its yaw in the world, rad.  `gravity_body` (p, 3) are unit vectors,
-    down, in the body frame, in the attitude that the robot takes.  `channels` are sdg, height,
-    tip_angle and margin (p,), as `evaluate` gives them; `evaluations` counts the geometries that
-    the searches evaluated.
+    point, rad or length, and `wanted` (p, k) the one that control requested; another one only where
+    rates are limited.  `turn` (p,) is by how much the robot is turned against the path's heading,
+    to the left, and `heading` (p,) its yaw in the world, rad.  `gravity_body` (p, 3) are unit
+    vectors, down, in the body frame, in the attitude that the robot takes.  `channels` are sdg,
+    height, tip_angle and margin (p,), as `evaluate` gives them; `evaluations` counts the geometries
+    that the searches evaluated.
     """
 
     path: Path
@@ -70,6 +71,8 @@ def drive(
     objective: str = "sdg",
     convention: str = "plane",
     params0: ArrayLike | None = None,
+    rates: Mapping[str, float] | None = None,
+    speed: float | None = None,
     headings: int | None = None,
     **options: Any,
 ) -> Drive:
@@ -81,8 +84,10 @@ def drive(
     `method`, `objective`, `convention` and `options` (`bounds`, `start`, `levels`, `ends`, `seed`)
     are those of `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
     robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
-    The robot may turn about the ground's normal to so many `headings`, evenly spaced, its own among
-    them; of equally good ones the nearest to its own counts.
+    `rates` are the fastest changes of parameters, rad or length per second, at a `speed` (length
+    per second); a parameter without one follows at once.  The robot may turn about the ground's
+    normal to so many `headings`, evenly spaced, its own among them; of equally good ones the
+    nearest to its own counts.
 
     Examples
     --------
@@ -102,8 +107,9 @@ def drive(
         reject(recipe.source, what, "none", "drive it without control (--no-control)", InputError)
     middle = [(p.minimum + p.maximum) / 2.0 for p in recipe.parameters]
     start = np.array(middle if params0 is None else params0, dtype=np.float64)
+    fastest = _rates(recipe, rates, speed)
     count = len(path.position)
-    turn, params = np.zeros(count), np.tile(start, (count, 1))
+    turn, wanted = np.zeros(count), np.tile(start, (count, 1))
     evaluations = 0
     turns = _turns(1 if headings is None else headings)
     if (control or headings is not None) and lag < count:
@@ -111,11 +117,12 @@ def drive(
         options.setdefault("limit", NO_LIMIT)
         kept = None if control else start
         found = _best(recipe, path.gravity[: count - lag], turns, kept, options)
-        params[lag:], turn[lag:], evaluations = found
+        wanted[lag:], turn[lag:], evaluations = found
     taken = turned(path, turn)
+    params = wanted if fastest is None else _follow(wanted, start, path, fastest)
     gravity = body_gravity(recipe, params, taken.gravity, convention)
     channels = evaluate_each(recipe, params, gravity, DRIVE_CHANNELS)
-    return Drive(path, params, params, turn, taken.heading, gravity, channels, evaluations)
+    return Drive(path, params, wanted, turn, taken.heading, gravity, channels, evaluations)
 
 
 def _best(
@@ -167,3 +174,38 @@ def _turns(headings: int) -> Floats:
     # Half a turn and more to the left is less to the right.
     steps = np.where(2 * whole > headings, whole - headings, whole)
     return np.asarray(2.0 * np.pi * steps[np.argsort(np.abs(steps), kind="stable")] / headings)
+
+
+def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | None) -> Floats | None:
+    """Return the largest change of each parameter per length of path, (k,); None without rates."""
+    if not rates and speed is None:
+        return None
+    if not rates or speed is None:
+        what = "limited rates need a speed, and a speed needs rates"
+        got = f"rates {dict(rates or {})}, speed {speed}"
+        reject(recipe.source, what, got, "give both or none", InputError)
+    names = [p.name for p in recipe.parameters]
+    for name, rate in rates.items():
+        if name not in names:
+            what, got = f"there is no parameter {name!r} to limit", f"the rate {rate:g}"
+            reject(recipe.source, what, got, f"it has {', '.join(names) or 'none'}", InputError)
+        if not rate >= 0.0:
+            what = f"the rate of {name} must be 0 or more"
+            reject(recipe.source, what, f"{rate:g}", "turn its sign", InputError)
+    return np.array([rates.get(name, math.inf) for name in names]) / speed
+
+
+def _follow(wanted: Floats, start: Floats, path: Path, fastest: Floats) -> Floats:
+    """Return the geometry that actuators of limited speed reach at each point, (p, k)."""
+    reached = np.empty_like(wanted)
+    before, distance = start, path.distance
+    for i in range(len(wanted)):
+        step = distance[i] - distance[max(i - 1, 0)]
+        # A parameter without a limit follows even where no time passes.
+        free = np.isinf(fastest)
+        most = np.where(free, np.inf, np.where(free, 0.0, fastest) * step)
+        change = wanted[i] - before
+        # Added only where limited: so a parameter that arrives has exactly the wanted value.
+        before = np.where(np.abs(change) <= most, wanted[i], before + np.clip(change, -most, most))
+        reached[i] = before
+    return reached

@@ -74,8 +74,8 @@ def optimum(
         Pointing down, any length > 0.
     method : {"map", "nelder-mead", "search", "multistart"}
         `map`: the best node of the recipe's sweep.  `search`: the paper's refinement, `levels`
-        steps of 5 nodes a side.  `nelder-mead`: from `start`.  `multistart`: Nelder-Mead from many
-        starts, for objectives with several minima.
+        steps of 5 nodes a side.  `nelder-mead`: from `start`.  `multistart`: many points that
+        improve on each other, for objectives with several minima.
     objective : str
         A channel of `quantities.RANKED`, made as small or as large as is better, or a sum such as
         `sdg+0.1*height`.

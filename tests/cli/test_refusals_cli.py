@@ -152,6 +152,9 @@ REFUSED = """
 2 | path two.toml --terrain none.csv | none.csv: there is no such file
 2 | path two.toml --terrain none.csv --points 5 | leave it out
 2 | path two.toml --terrain odd.csv | line 1 names no column x (got x;y;z)
+2 | path two.toml --rate alpha=1 | need a speed
+2 | path two.toml --rate alpha=1 --rate alpha=2 --speed 1 | given twice
+2 | path two.toml --no-control --speed 1 | a shape that does not change has no rates
 2 | path two.toml --lag -1 | -1 is not in the range: at least 0
 2 | path two.toml --points 3 -o missing/run.csv | cannot be written
 2 | path two.toml --points 2 --animate missing/film.gif | cannot be written

@@ -106,6 +106,16 @@ def test_without_control_there_is_one_run_and_with_headings_there_are_four():
     assert [entry["name"] for entry in report["runs"]] == names[:2]
 
 
+def test_rates_are_in_degrees_per_second(two):
+    limited = ("--rate", "alpha=20", "--rate", "gamma=5", "--speed", 1.5)
+    report = data(RECIPE, *PAPER, "--points", 12, *limited)
+    rates = {"alpha": math.radians(20.0), "gamma": math.radians(5.0)}
+    expected = by_hand(two, 12, rates=rates, speed=1.5)
+    reached = np.radians(list(report["runs"][1]["params"].values())).T
+    np.testing.assert_allclose(reached, expected.params)
+    assert (expected.params != expected.wanted).any()
+
+
 # What is written
 
 
@@ -131,17 +141,17 @@ def test_the_csv_reads_back_as_the_same_numbers(two, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]
 
 
-def test_a_terrain_of_ones_own_is_read(tmp_path):
+def test_a_terrain_of_ones_own_is_read_and_limits_are_in_the_table(tmp_path):
     (tmp_path / "tripod.toml").write_text(tripod())
     (tmp_path / "hill.csv").write_text("x,y,z\n0,0,0\n1,0,0.2\n2,0,0.6\n3,0,0.6\n")
     arguments = (tmp_path / "tripod.toml", "--terrain", tmp_path / "hill.csv")
     head, *_ = commands.run("path", *arguments).stdout.splitlines()
     assert head.endswith("hill.csv: 4 points, length 3.09684 m")
     written = ("-o", tmp_path / "run.csv", "--plot", tmp_path / "run.svg", "--size", "120")
-    data(*arguments, *written)
+    data(*arguments, "--rate", "reach=0.01", "--speed", 1, *written)
     assert (tmp_path / "run.svg").read_bytes().startswith(b"<?xml")
     names = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
-    assert {"reach_m", "swing_deg"} <= set(names)
+    assert {"reach_m", "swing_deg", "reach_wanted_m", "swing_wanted_deg"} <= set(names)
 
 
 def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body():

@@ -110,8 +110,9 @@ def test_words_stay_apart_at_the_narrowest_size():
     ],
 )
 def test_words_of_any_path_cover_nothing(two, points):
+    rates = {"alpha": 0.001}
     straight = drive(two, along(points), control=False)
-    free = drive(two, along(points), lag=0, headings=8)
+    free = drive(two, along(points), lag=0, headings=8, rates=rates, speed=1.0)
     for runs in ({"turning": free}, {"fixed": straight, "turning": free}, {"fixed": straight}):
         check(draw_path(two, runs), list(runs))
 

@@ -1,4 +1,4 @@
-"""Driving: the paper's percentages point by point, lag, turning, and what is refused."""
+"""Driving: the paper's percentages point by point, lag, rates, turning, and what is refused."""
 
 import math
 from typing import Any
@@ -107,6 +107,23 @@ def test_lag_shifts_what_control_does(robot: Recipe, lag: int) -> None:
     assert len(np.unique(at_once.turn)) > 1
 
 
+# Rates
+
+
+def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None:
+    rates = {"alpha": math.radians(2.0)}
+    start = np.radians([20.0, 20.0])
+    run = drive(robot, FLAT, params0=start, rates=rates, speed=2.0, lag=0)
+    # 2 deg/s at 2 per second and steps of 4, 4, 4 and 0.5: 4, 4, 4 and 0.5 deg each.
+    np.testing.assert_allclose(np.degrees(run.params[:, 0]), [20, 24, 28, 30.9568, 30.9568])
+    # gamma has no limit, and follows at once.
+    np.testing.assert_allclose(np.degrees(run.params[:, 1]), 30.9568)
+    np.testing.assert_allclose(np.degrees(run.wanted), 30.9568)
+    # What is reached is what is judged.
+    assert run.channels["sdg"][0] > 0.1
+    assert run.channels["sdg"][3] < 0.001
+
+
 # Turning
 
 
@@ -130,8 +147,15 @@ def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
 
 
 def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
-    with pytest.raises(InputError, match="unknown method 'guess'"):
-        drive(robot, FLAT, method="guess")
+    for options, said in (
+        ({"method": "guess"}, "unknown method 'guess'"),
+        ({"speed": 1.0}, "need a speed, and a speed needs rates"),
+        ({"rates": {"alpha": -1.0}, "speed": 1.0}, "rate of alpha must be 0 or more"),
+        ({"rates": {"beta": 1.0}, "speed": 1.0}, "no parameter 'beta' to limit"),
+    ):
+        with pytest.raises(InputError) as caught:
+            drive(robot, FLAT, **options)  # type: ignore[arg-type]
+        assert said in str(caught.value)
     rigid_one = parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
     with pytest.raises(InputError, match="no geometry parameter"):
         drive(rigid_one, FLAT)

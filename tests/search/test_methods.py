@@ -73,8 +73,8 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
         assert steps[-1].evaluations == len(cost.rows)
         costs = [step.value for step in steps]
         assert costs == sorted(costs, reverse=True)
-        # The caller's own start is one of those refined.
-        assert any((row == start).all() for row in cost.rows)
+        # The caller's own start is one of the points, but for rounding.
+        assert np.abs(np.array(cost.rows) - start).max(axis=1).min() < 1e-12
         lost += bool(nelder_mead(waves, box, start)[-1].value > 0.1)
     # A guard that any method passes proves nothing.
     assert lost >= 3
