@@ -100,7 +100,7 @@ clean: ## remove build/ and the caches, keep .venv
 
 # The first sweep compiles kernels that all commands use, so it runs alone.
 .venv/.installed: pyproject.toml setup.py $(wildcard firmware_export/runtime/*.[ch])
-	@echo "installing into .venv and compiling the kernels: two or three minutes"
+	@echo "installing into .venv and compiling the kernels: a minute or two"
 	@$(VENV)
 	@$(if $(UV),,$(PIP) uv)
 	@$(call INSTALL,$(EXTRAS))

@@ -14,9 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import interpn
 
 from firmware_export.model import Model, combinations, widened
+from lutgen.mapping.stability_map import interpolate, locate
 from lutgen.vector import Floats
 
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.
@@ -131,8 +131,9 @@ def _read(point: Point, t: Floats) -> Floats:
     codes = point.codes.astype(np.float64)
     if not point.axes:
         return np.broadcast_to(codes, (len(t), 3))
-    knots = [np.linspace(0.0, 1.0, n) for n in codes.shape[:-1]]
-    return np.asarray(interpn(knots, codes, t[:, list(point.axes)]))
+    sizes = zip(point.axes, codes.shape, strict=False)
+    places = [locate(np.linspace(0.0, 1.0, n), t[:, axis]) for axis, n in sizes]
+    return np.stack([interpolate(codes[..., i], places)[0] for i in range(3)], axis=1)
 
 
 def _above(true: Floats, stored: Floats) -> float:

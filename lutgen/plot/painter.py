@@ -141,7 +141,7 @@ def from_the_back(solids: Sequence[Solid], camera: Camera) -> list[Solid]:
 
 
 def paint(axes: Axes, solids: Sequence[Solid], camera: Camera, width: float, z: float) -> None:
-    """Draw solids from `z` up; a later one covers an earlier one."""
+    """Draw solids from `z` up; a later one covers an earlier one.  The axes keep their limits."""
     for n, solid in enumerate(from_the_back(solids, camera)):
         here = z + n / (len(solids) + 1.0)
         seen = solid.normals @ camera.look > 1e-9
@@ -149,7 +149,7 @@ def paint(axes: Axes, solids: Sequence[Solid], camera: Camera, width: float, z: 
             if visible:
                 colour = camera.shade(solid.colour, normal)
                 flat = Polygon(camera.flat(face), facecolor=colour, edgecolor=colour, linewidth=0.5)
-                axes.add_patch(flat).set_zorder(here)
+                axes.add_artist(flat).set_zorder(here)
         near, far = camera.flat(solid.outline), camera.flat(solid.outline + solid.along)
         lines, sides = [], seen[2:]
         for i in range(len(near)):
@@ -166,7 +166,7 @@ def paint(axes: Axes, solids: Sequence[Solid], camera: Camera, width: float, z: 
             ring = camera.flat(circle(centre + end * solid.along, axis, radius))
             fill = camera.shade(colours().body, solid.normals[end])
             hub = Polygon(ring, facecolor=fill, edgecolor=colours().edge, linewidth=0.6 * width)
-            axes.add_patch(hub).set_zorder(here)
+            axes.add_artist(hub).set_zorder(here)
 
 
 def com_mark(axes: Axes, at: Floats, radius: float, z: float) -> None:
