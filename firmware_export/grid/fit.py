@@ -46,7 +46,7 @@ STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
 # Fresh points of a round, anywhere and beside the boundary; from how many of each kind it climbs,
 # how often, and the first step (rad, and in shares of the box).
-ANYWHERE, BESIDE, STARTS, CLIMBED, STEP = 500_000, 200_000, 200, 15, 0.003
+ANYWHERE, BESIDE, STARTS, CLIMBED, STEP = 500_000, 200_000, 500, 15, 0.003
 # Rounds at most, and the false safes of one below which the next is left to the certificate.
 ROUNDS, FEW = 12, 2
 # Share of what stands that may be given up, and of points with which it is found.
@@ -211,7 +211,7 @@ def fit(
     with ThreadPoolExecutor(max(1, len(lengths))) as pool:
         jobs = {name: pool.submit(train_length, lesson, lattice, blocks, name) for name in lengths}
         values = train_verdict(lesson, lattice, blocks)
-        settle(lesson, lattice, values, 3, ROUNDS)
+        settle(lesson, lattice, values, 3, ROUNDS, FURTHER)
     return lattice, values, {name: job.result() for name, job in jobs.items()}
 
 
@@ -221,10 +221,12 @@ def settle(
     values: Singles,
     seed: int,
     rounds: int,
+    least: float,
     wrong: Sequence[Sample] = (),
 ) -> None:
     """Lower codes in place, round after round, until at most `FEW` points are falsely safe.
 
+    Points that tip go to `least` below STANDS.
     The points of a round are fresh ones, and those to which a search climbs from the worst of them,
     of the round before and of those that were `wrong`: windows of a posture are narrow and long.
     """
@@ -241,7 +243,7 @@ def settle(
             tips = (one.exact.tip_angle < 0.0).ravel()
             x, block, _ = _entered(lesson, *one.sample)
             falling = Points(x[tips], block[tips], np.zeros(tips.sum(), np.float32))
-            train.lower(values, falling, lattice, True, FURTHER)
+            train.lower(values, falling, lattice, True, least)
         if sum(int(one.false_safe.sum()) for one in seen) <= FEW:
             break
 

@@ -26,8 +26,9 @@ GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
 LENGTHS = ("sdg", "height")
 # Bytes of the first size that is tried for a requested error, and how sizes grow.
 FIRST, GROWTH = 2_000, 2.0
-# Rounds in which a table is lowered after a failed test.
-AGAIN = 2
+# Rounds in which a table is lowered after a failed test, and by how much further each time: the
+# windows that are left are ever more and smaller.
+AGAIN, LOWER = 2, 0.5
 # Bytes beside codes and knots: those of the head, and of each parameter.
 HEAD, PARAMETER = 60, 24
 TESTED = "the table was lowered where fresh points were called safe that tip: tested, not proved"
@@ -107,7 +108,8 @@ class Tables(AnyTables):
         """
         values, lesson = self.codes[0].astype(np.float32), fit.learn(self.ground.narrow)
         wrong = [Sample(params, gravity[:, None])]
-        fit.settle(lesson, self.lattice, values, 9 + seed, AGAIN, wrong)
+        least = fit.FURTHER * (1.0 + LOWER * seed)
+        fit.settle(lesson, self.lattice, values, 9 + seed, AGAIN, least, wrong)
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 

@@ -145,8 +145,7 @@ def descend(
 def lower(values: Singles, points: Points, lattice: Lattice, whole: bool, least: float) -> int:
     """Lower codes in place until no point is read above its exact code; return the false safes met.
 
-    Each goes down by the least change that does; a point that tips and is read less than a third of
-    `least` below STANDS to `least` below it.
+    Each goes down by the least change that does; a point that tips to `least` below STANDS.
     """
     node = np.empty(1 << len(lattice.nodes), np.int64)
     weight = np.empty(1 << len(lattice.nodes), np.float32)
@@ -155,7 +154,7 @@ def lower(values: Singles, points: Points, lattice: Lattice, whole: bool, least:
         count = corners(points, p, lattice, node, weight)
         aim = points.aim[p]
         tips = aim < STANDS
-        limit = STANDS - least / 3.0 if tips else aim
+        limit = STANDS - GUARD if tips else aim
         goal = STANDS - least if tips else aim - GUARD
         for turn in range(60):
             y = square = 0.0
