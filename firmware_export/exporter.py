@@ -28,7 +28,7 @@ log = logging.getLogger("lutgen")
 ATTEMPTS = 6
 # Times that a guard is made larger for what a certificate has seen, or a table lowered for what its
 # test has; the largest guard (rad).
-WIDER, LOWERED, WIDEST = 3, 40, 5e-3
+WIDER, LOWERED, WIDEST = 3, 80, 5e-3
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made without a request if nothing reaches the knee.

@@ -53,7 +53,7 @@ def _excess(measured: Measured) -> Floats:
     return np.where(np.abs(true) < NEAR, said - true, -np.inf)
 
 
-def _clearance(measured: Measured) -> Floats:
+def clearance(measured: Measured) -> Floats:
     """Return the answered tip angle where the robot tips, -inf where it stands."""
     return np.where(measured.exact.tip_angle < 0.0, measured.answers.tip_angle, -np.inf)
 
@@ -158,10 +158,10 @@ def worst_false_safe(
     nearest to safe among points that tip.  First the excess is maximised, which has no edge at
     the boundary to be held up by, then the answer itself on the side that tips.
     """
-    begin = starts(seen, (_excess, _clearance), count)
+    begin = starts(seen, (_excess, clearance), count)
     excess = climb(reader, begin, _excess, rounds, seed)
     begin = excess.params, _just_outside(reader, excess.params, excess.gravity, seed)
-    found = climb(reader, begin, _clearance, rounds, seed + 1, FINE_STEP)
+    found = climb(reader, begin, clearance, rounds, seed + 1, FINE_STEP)
     return found._replace(
         points=excess.points + found.points,
         false_safe=excess.false_safe + found.false_safe,

@@ -1,18 +1,23 @@
 """Tables of more than three contacts, trained: the sample, the nodes of each axis, the fit.
 
-A table is trained on random configurations.  Then it is lowered where it calls safe what tips, on
-fresh ones: where it only just says that the robot stands, and beside the true boundary.
+A table is trained on random configurations.  Then it is lowered where it calls safe what tips: at
+fresh ones, and at those to which a search climbs from the worst of them.
 This does not prove that it is safe: that is tested afterwards, on the C that ships.
 """
 
 import math
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.certify.answers import Reader
+from firmware_export.certify.attack import clearance, climb, starts
 from firmware_export.grid import train
 from firmware_export.grid.ground import WHOLE, Ground, bends, ground_of, spread_knots
 from firmware_export.grid.train import (
@@ -26,7 +31,7 @@ from firmware_export.grid.train import (
     Lattice,
     Points,
 )
-from firmware_export.model import Model, Sample, biased, on_chart, uniform_directions, unit
+from firmware_export.model import Model, Sample, biased, on_chart, uniform, uniform_directions
 from lutgen.arrays import Floats, Singles
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
@@ -39,25 +44,17 @@ STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
 # brought below STANDS, those of the sample and fresh ones.
 AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
-# Directions drawn for a posture; those used, which only just stand; points in a round.
-POOL, ASKED, ROUND = 300, 30, 1_500_000
-# Points around one that was falsely safe: postures, directions of each; how near they are at most
-# (parts of an axis) and over how many decades; decades of the distance of directions (rad); how
-# often others are drawn around those found there.
-NEAR_POSTURES, NEAR_DIRECTIONS = 3_000, 30
-NEAR, DECADES, ASIDE, CHAIN = 1 / 60, 2.5, (0.7, 4.0), 6
-# Points of a round that lie beside the boundary.
-BESIDE = 200_000
+# Fresh points of a round, anywhere and beside the boundary; from how many of each kind it climbs,
+# how often, and the first step (rad, and in shares of the box).
+ANYWHERE, BESIDE, STARTS, CLIMBED, STEP = 500_000, 200_000, 500, 15, 0.003
 # Rounds at most, and the false safes of one below which the next is left to the certificate.
-ROUNDS, FEW = 4, 2
+ROUNDS, FEW = 12, 2
 # Share of what stands that may be given up, and of points with which it is found.
 USELESS, JUDGED = 0.25, 400_000
 # Places of the chart beyond those where something stood.
 SPARE = 256.0
-FEWEST, MOST_NODES = 3, 65_000
+FEWEST, MOST_BYTES = 3, 65_000
 SEED = 71
-# Postures (n, k) and the direction of each (n, 3).
-Found = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,20 +74,27 @@ class Lesson:
     points: Points
     lengths: dict[str, Singles]
 
-    def shape(self, nodes: int) -> tuple[int, ...]:
-        """Return the nodes of each axis of a table of at most so many, by how much each bends."""
+    def shape(self, size: int) -> tuple[int, ...]:
+        """Return the nodes of each axis of a table that has so many bytes, its knots included.
+
+        There are more along an axis that bends more.
+        """
         weight, blocks = self.bend.mean(axis=1), int(self.block.max(initial=0)) + 1
+
+        def fits(shape: Sequence[int]) -> bool:
+            return blocks * math.prod(shape) + 2 * sum(shape) <= size and max(shape) < LARGEST
+
         shape = [FEWEST] * len(weight)
-        while True:
-            total = blocks * math.prod(shape)
-            able = [
-                at
-                for at, count in enumerate(shape)
-                if total // count * (count + 1) <= nodes and count < LARGEST
-            ]
-            if not able:
-                return tuple(shape)
-            shape[max(able, key=lambda at: weight[at] / shape[at])] += 1
+        while able := [
+            i for i, n in enumerate(shape) if fits([*shape[:i], n + 1, *shape[i + 1 :]])
+        ]:
+            shape[max(able, key=lambda i: weight[i] / shape[i])] += 1
+        near = product(*(range(max(n - 1, FEWEST), n + 3) for n in shape))
+        return min(
+            filter(fits, near),
+            key=lambda nodes: float((weight / nodes).sum()),
+            default=tuple(shape),
+        )
 
     def lattice(self, shape: tuple[int, ...]) -> Lattice:
         """Return the axes of a table with so many nodes."""
@@ -109,27 +113,17 @@ def aims(tip: Floats) -> Singles:
     return np.where(tip < 0.0, 0.0, STANDS + SCALE * sine).astype(np.float32)
 
 
-def _drawn(
-    ground: Ground, seed: list[int], each: int
-) -> tuple[Floats, Floats, Singles, NDArray[np.int8]]:
-    """Return random postures' places (m, k), the directions (d, 3) of all, and what `enter` says.
-
-    A robot of one posture has the directions of AT_ONCE.
-    """
-    model, rng = ground.model, np.random.default_rng(seed)
-    postures = AT_ONCE if model.k else 1
-    x = rng.random((postures, model.k)) * WHOLE
-    gravity = uniform_directions(model, rng, (each * (AT_ONCE // postures),))
-    return x, gravity, *ground.enter(x, gravity[None])
-
-
 @lru_cache(maxsize=1)
 def learn(model: Model) -> Lesson:
     """Return what the tables of a robot learn from."""
-    ground = ground_of(model)
-    parts = []
+    ground, parts = ground_of(model), []
+    # A robot of one posture has the directions of AT_ONCE.
+    postures = AT_ONCE if model.k else 1
     for part in range(-(-POINTS // (PER_POSTURE * AT_ONCE))):
-        x, gravity, place, face = _drawn(ground, [SEED, part], PER_POSTURE)
+        rng = np.random.default_rng([SEED, part])
+        x = rng.random((postures, model.k)) * WHOLE
+        gravity = uniform_directions(ground.model, rng, (PER_POSTURE * (AT_ONCE // postures),))
+        place, face = ground.enter(x, gravity[None])
         exact = ground.model.exact(ground.params(x), gravity[None])
         lengths = (exact.sdg.astype(np.float32), exact.height.astype(np.float32))
         parts.append((place, face, aims(exact.tip_angle), *lengths))
@@ -154,36 +148,6 @@ def learn(model: Model) -> Lesson:
         *(ground, low, high, block, bends(ground, low, high), Points(place, block[face], aim)),
         {"sdg": sdg, "height": height},
     )
-
-
-def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) -> Found:
-    """Lower codes in place on fresh points that only just stand; return those falsely safe."""
-    ground, found = lesson.ground, list[Found]()
-    for part in range(max(1, ROUND // (AT_ONCE * ASKED))):
-        x, gravity, place, face = _drawn(ground, [*seed, part], POOL)
-        place, block = place.reshape(-1, place.shape[2]), lesson.block[face].ravel()
-        said = train.read(values, Points(place, block, place[:, 0]), lattice)
-        least = np.where(said >= STANDS, said, np.inf).reshape(face.shape)
-        chosen = ASKED * AT_ONCE // len(x)
-        at = np.argpartition(least, chosen, axis=1)[:, :chosen]
-        rows = (np.arange(len(x))[:, None] * len(gravity) + at).ravel()
-        fresh = Points(place[rows], block[rows], place[rows, 0])
-        found.append(_lower(lesson, values, lattice, ground.params(x), gravity[at], fresh))
-    params, direction = (np.concatenate(one) for one in zip(*found, strict=True))
-    return params, direction
-
-
-def _lower(
-    lesson: Lesson, values: Singles, lattice: Lattice, params: Floats, gravity: Floats, at: Points
-) -> Found:
-    """Lower codes in place at points, which have no exact answer yet; return those falsely safe."""
-    tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
-    said = train.read(values, at, lattice).reshape(tip.shape)
-    tips = tip < 0.0
-    row, column = np.nonzero(tips & (said >= STANDS))
-    falling = Points(at.x[tips.ravel()], at.block[tips.ravel()], aims(tip[tips]))
-    train.lower(values, falling, lattice, True, FURTHER)
-    return params[row], gravity[row, column]
 
 
 def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
@@ -247,48 +211,60 @@ def fit(
     with ThreadPoolExecutor(max(1, len(lengths))) as pool:
         jobs = {name: pool.submit(train_length, lesson, lattice, blocks, name) for name in lengths}
         values = train_verdict(lesson, lattice, blocks)
-    settle(lesson, lattice, values, 3, ROUNDS)
+        settle(lesson, lattice, values, 3, ROUNDS, FURTHER)
     return lattice, values, {name: job.result() for name, job in jobs.items()}
 
 
-def settle(lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int) -> None:
-    """Lower codes in place, round after round, until at most `FEW` points were falsely safe."""
+def settle(
+    lesson: Lesson,
+    lattice: Lattice,
+    values: Singles,
+    seed: int,
+    rounds: int,
+    least: float,
+    wrong: Sequence[Sample] = (),
+) -> None:
+    """Lower codes in place, round after round, until at most `FEW` points are falsely safe.
+
+    Points that tip go to `least` below STANDS.
+    The points of a round are fresh ones, and those to which a search climbs from the worst of them,
+    of the round before and of those that were `wrong`: windows of a posture are narrow and long.
+    """
+    reader, near = _reader(lesson, lattice, values), wrong
     for turn in range(rounds):
-        found = [
-            lowered(lesson, values, lattice, [SEED, seed, turn]),
-            given(lesson, lattice, values, biased(lesson.ground.model, BESIDE, 1000 * seed + turn)),
-        ]
-        for one in found:
-            around(lesson, lattice, values, one, [SEED, seed, turn])
-        if sum(len(one[0]) for one in found) <= FEW:
+        own = 1000 * seed + turn
+        fresh = uniform(reader.model, ANYWHERE, own), biased(reader.model, BESIDE, own)
+        seen = [reader.measure(one) for one in (*fresh, *near)]
+        begin = starts(seen, (clearance,), STARTS)
+        peaks = climb(reader, begin, clearance, CLIMBED, own, STEP)
+        near = [Sample(peaks.params, peaks.gravity[:, None])]
+        seen.append(reader.measure(near[0]))
+        for one in seen:
+            tips = (one.exact.tip_angle < 0.0).ravel()
+            x, block, _ = _entered(lesson, *one.sample)
+            falling = Points(x[tips], block[tips], np.zeros(tips.sum(), np.float32))
+            train.lower(values, falling, lattice, True, least)
+        if sum(int(one.false_safe.sum()) for one in seen) <= FEW:
             break
 
 
-def given(lesson: Lesson, lattice: Lattice, values: Singles, sample: Sample) -> Found:
-    """Lower codes in place on given points; return those that were falsely safe."""
+def _reader(lesson: Lesson, lattice: Lattice, values: Singles) -> Reader:
+    """Return what reads codes as they are now; below `STANDS` it says by how much."""
+
+    def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        points = _entered(lesson, params.astype(np.float64), gravity[:, None].astype(np.float64))
+        code = train.read(values, points, lattice)
+        # A status of 0 stands.
+        return code < STANDS, np.stack([np.arcsin((code - STANDS) / SCALE)] * 3, axis=1)
+
+    return Reader(lesson.ground.model, read)
+
+
+def _entered(lesson: Lesson, params: Floats, gravity: Floats) -> Points:
+    """Return the points of directions (m, d, 3) of postures (m, k), with no code wanted there."""
     ground = lesson.ground
-    place, face = ground.enter(ground.places_of(sample.params), sample.gravity)
-    on = on_chart(ground.model, sample.gravity)
+    place, face = ground.enter(ground.places_of(params), gravity)
+    on = on_chart(ground.model, gravity)
     block = np.where(on, lesson.block[face], -1).astype(np.int8).ravel()
     place = place.reshape(-1, place.shape[2])
-    return _lower(lesson, values, lattice, *sample, Points(place, block, place[:, 0]))
-
-
-def around(
-    lesson: Lesson, lattice: Lattice, values: Singles, found: Found, seed: list[int]
-) -> None:
-    """Lower codes in place around points that were falsely safe, then around those found there."""
-    ground = lesson.ground
-    for again in range(CHAIN):
-        if not len(found[0]):
-            break
-        rng = np.random.default_rng([*seed, again])
-        pick = rng.integers(0, len(found[0]), NEAR_POSTURES)
-        reach = NEAR * 10.0 ** -rng.uniform(0.0, DECADES, (NEAR_POSTURES, 1))
-        x = ground.places_of(found[0][pick])
-        x = x + rng.normal(0.0, WHOLE, x.shape) * reach
-        x = np.where(ground.rounds, x % (WHOLE + 1.0), np.clip(x, 0.0, WHOLE))
-        aside = rng.normal(size=(NEAR_POSTURES, NEAR_DIRECTIONS, 3))
-        aside *= 10.0 ** -rng.uniform(*ASIDE, (NEAR_POSTURES, NEAR_DIRECTIONS, 1))
-        gravity = unit(found[1][pick][:, None] + aside)
-        found = given(lesson, lattice, values, Sample(ground.params(x), gravity))
+    return Points(place, block, place[:, 0])

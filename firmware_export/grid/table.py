@@ -24,13 +24,13 @@ from lutgen.vector import Floats
 # Its number in runtime/smap_map.h; parameters that the runtime takes, and the largest u.
 GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
 LENGTHS = ("sdg", "height")
-# Nodes of the first size that is tried for a requested error, and how sizes grow.
+# Bytes of the first size that is tried for a requested error, and how sizes grow.
 FIRST, GROWTH = 2_000, 2.0
-# After so many failed tests every other code goes down by one, then the others: most of what is
-# falsely safe is so by less than that.
-STUBBORN = 3
-# Bytes beside the codes: knots, at most about so many.
-HEAD = 300
+# Rounds in which a table is lowered after a failed test, and by how much further each time: the
+# windows that are left are ever more and smaller.
+AGAIN, LOWER = 2, 0.5
+# Bytes beside codes and knots: those of the head, and of each parameter.
+HEAD, PARAMETER = 60, 24
 TESTED = "the table was lowered where fresh points were called safe that tip: tested, not proved"
 
 
@@ -107,12 +107,9 @@ class Tables(AnyTables):
         The `seed` counts the tests that have found any.
         """
         values, lesson = self.codes[0].astype(np.float32), fit.learn(self.ground.narrow)
-        if seed % STUBBORN == 0:
-            half = values[seed // STUBBORN % 2 :: 2]
-            np.maximum(half - 1.0, 0.0, out=half)
-        found = fit.given(lesson, self.lattice, values, Sample(params, gravity[:, None]))
-        fit.around(lesson, self.lattice, values, found, [fit.SEED, 9, seed])
-        fit.settle(lesson, self.lattice, values, 9 + seed, rounds=1)
+        wrong = [Sample(params, gravity[:, None])]
+        least = fit.FURTHER * (1.0 + LOWER * seed)
+        fit.settle(lesson, self.lattice, values, 9 + seed, AGAIN, least, wrong)
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 
@@ -149,23 +146,22 @@ class Trained(Codec):
         if aim.bytes is None:
             return [Spec((6,) * (model.k + 2))]
         lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
-        least = (int(lesson.block.max()) + 1) * fit.FEWEST ** (model.k + 2)
-        whole = max(min((aim.bytes - HEAD) // tables, fit.MOST_NODES), least)
+        whole = min((aim.bytes - HEAD - PARAMETER * model.k) // tables, fit.MOST_BYTES)
         if aim.percent is None:
             return [Spec(lesson.shape(whole))]
-        error, nodes = math.inf, min(FIRST, whole)
+        error, size = math.inf, min(FIRST, whole)
         while "sdg" in channels:
-            error = fit.length_error(lesson, lesson.lattice(lesson.shape(nodes)))
-            if error <= aim.percent or nodes == whole:
+            error = fit.length_error(lesson, lesson.lattice(lesson.shape(size)))
+            if error <= aim.percent or size == whole:
                 break
-            nodes = min(round(GROWTH * nodes), whole)
+            size = min(round(GROWTH * size), whole)
         if error > aim.percent:
             raise ExportError(
-                f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
+                f"{model.recipe.source}: a table of {whole:,} bytes is not that accurate (got p99 "
                 f"{error:.3g} % of the range for |SD_g|, {aim.percent:.3g} % requested); give a "
                 "size of flash alone, or choose the codec contacts."
             )
-        return [Spec(lesson.shape(nodes))]
+        return [Spec(lesson.shape(size))]
 
     def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Train the tables of one size."""

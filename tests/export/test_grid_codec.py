@@ -229,21 +229,28 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart):
     assert np.degrees(np.median(lost[both])) < 3.0
     # A fit of so few points reads some too high; one of six million 0.006 %.
     assert np.quantile(lost[both], 0.005) > -np.radians(2.0)
-    # A constant would be off by twice as much.
+    # A constant would be off by the spread.
     spread = np.nanstd(seen.exact.sdg[both])
     error = (seen.answers.sdg - seen.exact.sdg)[both]
-    assert np.sqrt(np.mean(error * error)) < 0.5 * spread
+    assert np.sqrt(np.mean(error * error)) < 0.6 * spread
 
 
-def test_what_a_test_finds_falsely_safe_is_lowered():
+def test_what_a_test_finds_falsely_safe_is_lowered_and_all_about_it(monkeypatch):
+    monkeypatch.setattr(fit, "ANYWHERE", 40)
+    monkeypatch.setattr(fit, "BESIDE", 40)
     export = trained(rover(), 1_000, ("tip_angle",))
-    reckless = replace(export.tables, codes=np.full_like(export.tables.codes, 120))
-    wrong = put_to_test(device(replace(export, tables=reckless)), export.channels, None, 500, 9)
-    assert wrong.false_safe > 100
-    assert wrong.wrong is not None
-    better = replace(export, tables=reckless.lowered(*wrong.wrong, 1))
-    again = put_to_test(device(better), export.channels, None, 500, 9)
-    assert again.false_safe < 0.02 * wrong.false_safe
+    codes, left = export.tables.codes.copy(), []
+    codes[0, np.flatnonzero((codes > 70) & (codes < 98))[::40]] = 140
+    reckless, sample = replace(export.tables, codes=codes), uniform(export.model, 100_000, 9)
+    found = put_to_test(device(replace(export, tables=reckless)), export.channels, None, 500, 9)
+    assert found.wrong is not None
+    few = [one[::6] for one in found.wrong]
+    for climbed in (0, fit.CLIMBED):
+        monkeypatch.setattr(fit, "CLIMBED", climbed)
+        better = replace(export, tables=reckless.lowered(*few, 1))
+        left.append(device(better).measure(sample).false_safe.sum())
+    # Of 294 18 are left where it climbs from 30 that were found, else 146.
+    assert left[1] < 0.5 * left[0]
 
 
 def test_codes_are_the_same_for_any_number_of_threads():
