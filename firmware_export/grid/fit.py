@@ -35,6 +35,7 @@ from firmware_export.model import Model, Sample, biased, on_chart, uniform, unif
 from lutgen.arrays import Floats, Singles
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
+from lutgen.support import TIPS
 
 # Points of the sample; directions of a posture, postures that share them.
 POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
@@ -43,7 +44,7 @@ POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
 STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
 # brought below STANDS, those of the sample and fresh ones.
-AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
+AGAIN, BELOW, FURTHER = 2, 1.5, 1.0
 # Fresh points of a round, anywhere and beside the boundary; from how many of each kind it climbs,
 # how often, and the first step (rad, and in shares of the box).
 ANYWHERE, BESIDE, STARTS, CLIMBED, STEP = 500_000, 200_000, 500, 15, 0.003
@@ -254,8 +255,8 @@ def _reader(lesson: Lesson, lattice: Lattice, values: Singles) -> Reader:
     def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         points = _entered(lesson, params.astype(np.float64), gravity[:, None].astype(np.float64))
         code = train.read(values, points, lattice)
-        # A status of 0 stands.
-        return code < STANDS, np.stack([np.arcsin((code - STANDS) / SCALE)] * 3, axis=1)
+        angle = np.arcsin((code - STANDS) / SCALE)
+        return np.where(code < STANDS, TIPS, 0), np.stack([angle] * 3, axis=1)
 
     return Reader(lesson.ground.model, read)
 
