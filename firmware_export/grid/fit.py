@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -90,12 +89,7 @@ class Lesson:
             i for i, n in enumerate(shape) if fits([*shape[:i], n + 1, *shape[i + 1 :]])
         ]:
             shape[max(able, key=lambda i: weight[i] / shape[i])] += 1
-        near = product(*(range(max(n - 1, FEWEST), n + 3) for n in shape))
-        return min(
-            filter(fits, near),
-            key=lambda nodes: float((weight / nodes).sum()),
-            default=tuple(shape),
-        )
+        return tuple(shape)
 
     def lattice(self, shape: tuple[int, ...]) -> Lattice:
         """Return the axes of a table with so many nodes."""

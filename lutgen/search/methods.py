@@ -158,9 +158,20 @@ def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list
         seen += points.shape[1]
         return cost(points.T)
 
-    how = {"popsize": POINTS, "maxiter": GENERATIONS, "tol": 0.0, "atol": SPREAD, "x0": start}
-    how |= {"init": "sobol", "seed": seed, "polish": False}
-    found = differential_evolution(each, bounds, vectorized=True, updating="deferred", **how)
+    found = differential_evolution(
+        each,
+        bounds,
+        x0=start,
+        init="sobol",
+        seed=seed,
+        popsize=POINTS,
+        maxiter=GENERATIONS,
+        tol=0.0,
+        atol=SPREAD,
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+    )
     none = np.empty((0, len(bounds)))
     best = Step(np.asarray(found.x), float(found.fun), seen, none)
     steps = [best]

@@ -229,10 +229,10 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart):
     assert np.degrees(np.median(lost[both])) < 3.0
     # A fit of so few points reads some too high; one of six million 0.006 %.
     assert np.quantile(lost[both], 0.005) > -np.radians(2.0)
-    # A constant would be off by the spread.
+    # A constant would be off by twice as much.
     spread = np.nanstd(seen.exact.sdg[both])
     error = (seen.answers.sdg - seen.exact.sdg)[both]
-    assert np.sqrt(np.mean(error * error)) < 0.6 * spread
+    assert np.sqrt(np.mean(error * error)) < 0.5 * spread
 
 
 def test_what_a_test_finds_falsely_safe_is_lowered_and_all_about_it(monkeypatch):
@@ -249,7 +249,7 @@ def test_what_a_test_finds_falsely_safe_is_lowered_and_all_about_it(monkeypatch)
         monkeypatch.setattr(fit, "CLIMBED", climbed)
         better = replace(export, tables=reckless.lowered(*few, 1))
         left.append(device(better).measure(sample).false_safe.sum())
-    # Of 294 18 are left where it climbs from 30 that were found, else 146.
+    # With a search from 30 of these points 63 stay falsely safe, without it 346.
     assert left[1] < 0.5 * left[0]
 
 
