@@ -23,7 +23,7 @@ from firmware_export.certify.certificate import bounded, judged_by
 from firmware_export.certify.jumps import largest_jump
 from firmware_export.emit import code_bytes, flash_bytes
 from firmware_export.model import Model, biased, uniform
-from firmware_export.protocol import Aim, Codec, Export
+from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, InputError
 
@@ -177,15 +177,14 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
     most = ceiling - code_bytes(codec.families[trials.arithmetic])
-    percent = None if goal.percent is None else goal.aim
-    sizes = codec.sizes(trials.model, trials.channels, Aim(most, percent))
+    sizes = codec.sizes(trials.model, trials.channels, most)
 
     def larger(spec: Any) -> bool:
         """Return True if sizes beyond this one are of use."""
         one = trials.try_out(codec, spec)
         if one is None or one.total > ceiling:
             return False
-        served = percent is not None and goal.holds(one) and one.false_tip <= MOST_FALSE_TIP
+        served = goal.percent is not None and goal.holds(one) and one.false_tip <= MOST_FALSE_TIP
         return not served
 
     if not sizes or not larger(sizes[0]):

@@ -57,9 +57,7 @@ class Grid:
 
     def params(self, flat: ArrayLike) -> NDArray[np.float64]:
         """Return the parameters (m, k), in the axes' units, of nodes (m,) by number."""
-        rest = np.asarray(flat, dtype=np.intp)
-        values = np.empty((rest.size, len(self.axes)))
-        for column in range(len(self.axes) - 1, -1, -1):
-            rest, index = np.divmod(rest, self.axes[column].size)
-            values[:, column] = self.axes[column].knots[index]
-        return values
+        nodes = np.asarray(flat, dtype=np.intp)
+        places = np.unravel_index(nodes, self.shape) if self.axes else ()
+        columns = [axis.knots[place] for axis, place in zip(self.axes, places, strict=True)]
+        return np.stack(columns, axis=1) if columns else np.empty((nodes.size, 0))

@@ -19,7 +19,7 @@ from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
 from firmware_export.model import Cells, Model, least_edge_of, rounds
-from firmware_export.protocol import ANY, Aim, CBody, Channels, Codec, Export, describe
+from firmware_export.protocol import CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
@@ -250,7 +250,7 @@ class Contacts(Codec):
             return str(error)
         return problem
 
-    def sizes(self, model: Model, channels: Channels = (), aim: Aim = ANY) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels = (), most: int | None = None) -> list[Spec]:
         """Return the sizes there are."""
         if model.recipe.python is None:
             return [Spec()]

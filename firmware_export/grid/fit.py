@@ -185,17 +185,6 @@ def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tu
     return np.rint(values).astype(np.float32), step
 
 
-def length_error(lesson: Lesson, lattice: Lattice) -> float:
-    """Return p99 of the error of |SD_g| in percent of its range, of a table of this size."""
-    values, step = train_length(lesson, lattice, int(lesson.block.max()) + 1, "sdg")
-    some = lesson.points.some(JUDGED)
-    expected = lesson.lengths["sdg"][:JUDGED]
-    error = np.abs(train.read(values, some, lattice) * step - expected)
-    return 100.0 * float(
-        np.nanquantile(error, 0.99) / max(np.nanmax(expected) - np.nanmin(expected), 1e-300)
-    )
-
-
 @lru_cache(maxsize=2)
 def fit(
     model: Model, shape: tuple[int, ...], lengths: tuple[str, ...]

@@ -22,7 +22,7 @@ from firmware_export.grid.points import (
     turned,
 )
 from firmware_export.model import Cells, Model, least_edge_of, rounds, sensor_tolerance, widened
-from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
+from firmware_export.protocol import CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
 
 # Its number in runtime/smap_map.h; words of a pose: head, floats and integers, and without floats.
@@ -123,7 +123,7 @@ class Lookup(Codec):
             return f"grid looks up contacts that depend on at most {MOST_AXES} parameters"
         return None
 
-    def sizes(self, model: Model, channels: Channels = (), aim: Aim = ANY) -> list[Spec]:
+    def sizes(self, model: Model, channels: Channels = (), most: int | None = None) -> list[Spec]:
         """Return sizes from three nodes on; wider codes where narrow ones round too much."""
         (wide, unit), order = bounds(model), rounds(model)
         moves = [[axis in depends_on(wide, one) for axis in range(model.k)] for one in order]

@@ -16,16 +16,13 @@ from firmware_export.grid.ground import Fold, Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice
 from firmware_export.model import Model, Sample
-from firmware_export.protocol import ANY, Aim, CArray, CBody, Channels, Codec
+from firmware_export.protocol import CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
-from lutgen.errors import ExportError
 from lutgen.vector import Floats
 
 # Its number in runtime/smap_map.h; parameters that the runtime takes, and the largest u.
 GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
 LENGTHS = ("sdg", "height")
-# Bytes of the first size that is tried for a requested error, and how sizes grow.
-FIRST, GROWTH = 2_000, 2.0
 # Rounds in which a table is lowered after a failed test, and by how much further each time: the
 # windows that are left are ever more and smaller.
 AGAIN, LOWER = 2, 0.5
@@ -114,7 +111,7 @@ class Tables(AnyTables):
 
 
 class Trained(Codec):
-    """The codec: one size, as large as may be or as an error needs; it trains for minutes."""
+    """The codec: one size, as large as may be; it trains for minutes."""
 
     name = "grid"
     families: ClassVar = {"integer": "grid"}
@@ -138,30 +135,13 @@ class Trained(Codec):
             )
         return None
 
-    def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Spec]:
-        """Return the size that at most so many bytes of tables hold.
-
-        For a requested error of |SD_g|, the smallest whose table of it has p99 below that.
-        """
-        if aim.bytes is None:
+    def sizes(self, model: Model, channels: Channels, most: int | None = None) -> list[Spec]:
+        """Return the size that at most so many bytes of tables hold."""
+        if most is None:
             return [Spec((6,) * (model.k + 2))]
-        lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
-        whole = min((aim.bytes - HEAD - PARAMETER * model.k) // tables, fit.MOST_BYTES)
-        if aim.percent is None:
-            return [Spec(lesson.shape(whole))]
-        error, size = math.inf, min(FIRST, whole)
-        while "sdg" in channels:
-            error = fit.length_error(lesson, lesson.lattice(lesson.shape(size)))
-            if error <= aim.percent or size == whole:
-                break
-            size = min(round(GROWTH * size), whole)
-        if error > aim.percent:
-            raise ExportError(
-                f"{model.recipe.source}: a table of {whole:,} bytes is not that accurate (got p99 "
-                f"{error:.3g} % of the range for |SD_g|, {aim.percent:.3g} % requested); give a "
-                "size of flash alone, or choose the codec contacts."
-            )
-        return [Spec(lesson.shape(size))]
+        tables = 1 + len(_lengths(channels))
+        whole = (most - HEAD - PARAMETER * model.k) // tables
+        return [Spec(fit.learn(model).shape(min(whole, fit.MOST_BYTES)))]
 
     def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Train the tables of one size."""

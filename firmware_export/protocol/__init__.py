@@ -4,15 +4,5 @@ In reading order: `policy`, `codec`, `blob`.
 """
 
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
-from firmware_export.protocol.codec import (
-    ANY,
-    Aim,
-    CArray,
-    CBody,
-    Channels,
-    Codec,
-    Export,
-    Tables,
-    literal,
-)
+from firmware_export.protocol.codec import CArray, CBody, Channels, Codec, Export, Tables, literal
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,17 +98,6 @@ def literal(value: float) -> str:
 Channels = tuple[str, ...]
 
 
-class Aim(NamedTuple):
-    """Most bytes of tables, and greatest error of |SD_g| in percent of its range; None: any."""
-
-    bytes: int | None = None
-    percent: float | None = None
-
-
-# Any size and any error.
-ANY = Aim()
-
-
 class Tables(ABC):
     """An encoded robot.
 
@@ -159,11 +148,10 @@ class Codec(ABC):
         """Return why the codec cannot hold this robot, in one sentence, or None."""
 
     @abstractmethod
-    def sizes(self, model: Model, channels: Channels, aim: Aim = ANY) -> list[Any]:
+    def sizes(self, model: Model, channels: Channels, most: int | None = None) -> list[Any]:
         """Return the sizes worth trying, the smallest and least accurate first.
 
-        A codec that takes minutes for one returns the largest for the bytes that are aimed at, or
-        the smallest for the error.
+        A codec that takes minutes for one returns the largest whose tables have `most` bytes.
         """
 
     @abstractmethod

@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.arrays import Bools, Floats, Singles, Vector
-from lutgen.channels.exact import FACET, HEIGHT, JUST_OUTSIDE, SDG, STATUS, TIP, tip_angle
+from lutgen.channels.exact import (
+    FACET,
+    HEIGHT,
+    JUST_OUTSIDE,
+    SDG,
+    STATUS,
+    TIP,
+    angle_of,
+    arc_nearness,
+)
 from lutgen.chart import Chart
 from lutgen.jit import njit
 from lutgen.support import ACCEPTED, ARCS, CONES, CONVEX, ON_AXIS, TIPS, Region
@@ -24,9 +33,9 @@ PARALLEL, WITHIN = 1e-5, 1e-3
 # A wall that passes a node within this part of a step is decided by its sign there.
 DOUBT = 1e-6
 # Nodes of padding, so that loops along a row run over whole vectors.
-PAD = 16
-# No arc of the boundary is within 90 deg.
-FAR = 1e300
+PAD = 8
+# Rows and columns of a tile, for which near arcs are told from far ones.
+TALL, WIDE = 16, 16
 
 
 class Nodes(NamedTuple):
@@ -52,9 +61,10 @@ class Rows(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Scratch memory: functions on a face, intervals of rows, one row of numbers."""
+    """Scratch memory: functions on a face, arcs near a tile, intervals and numbers of rows."""
 
     line: NDArray[np.float64]
+    near: NDArray[np.int64]
     span: NDArray[np.float64]
     low: NDArray[np.float64]
 
@@ -175,30 +185,76 @@ def node_direction(nodes: Nodes, face: int, i: int, r: int) -> Vector:
 
 
 @njit(bare=True)
-def _lowest_in_row(
-    line: Floats, arcs: int, convex: bool, v: float, coords: Floats, low: Floats, width: int
-) -> None:
-    """Fill `low` with the least wall . g of a row of a convex region, else with squared sines.
-
-    They are of (u, v, 1), which is longer than 1.  An arc more than 90 deg away counts as FAR.
-    """
-    for i in range(np.uint64(width)):
-        low[i] = FAR
+def _lowest_in_row(line: Floats, arcs: int, v: float, coords: Floats, low: Floats) -> None:
+    """Fill `low` with the least wall . g of (u, v, 1) over the arcs of a convex region."""
+    for i in range(np.uint64(low.shape[0])):
+        low[i] = math.inf
     for b in range(arcs):
         w0, w1 = line[4 * b, 0] + line[4 * b, 1] * v, line[4 * b, 2]
-        if convex:
-            for i in range(np.uint64(width)):
-                low[i] = min(low[i], w0 + w1 * coords[i])
-            continue
-        k0, k1 = line[4 * b + 1, 0] + line[4 * b + 1, 1] * v, line[4 * b + 1, 2]
-        d0, d1 = line[4 * b + 2, 0] + line[4 * b + 2, 1] * v, line[4 * b + 2, 2]
+        for i in range(np.uint64(low.shape[0])):
+            low[i] = min(low[i], w0 + w1 * coords[i])
+
+
+@njit(bare=True)
+def _near_arcs(
+    region: Region, nodes: Nodes, tile: Rows, span: tuple[int, int], scratch: Scratch
+) -> int:
+    """Find the arcs that can be nearest to a node of a tile; return how many.
+
+    Who moves by an angle comes nearer to an arc by that angle at most.
+    """
+    line, near = scratch.line, scratch.near
+    left, right, top = span[0], span[1] - 1, tile.first + tile.size - 1
+    middle = node_direction(nodes, tile.face, (left + right) // 2, (tile.first + top) // 2)
+    cosine, nearest, count = 1.0, 2.0, 0
+    for i in (left, right):
+        for r in (tile.first, top):
+            cosine = min(cosine, dot(middle, node_direction(nodes, tile.face, i, r)))
+    for b in range(region.counts[ARCS]):
+        line[4 * b + 3, 1] = arc_nearness(region, b, middle)
+        nearest = min(nearest, line[4 * b + 3, 1])
+    reach = min(angle_of(nearest) + 2.0 * math.acos(cosine) + DOUBT, math.pi)
+    square = math.sin(reach) ** 2
+    for b in range(region.counts[ARCS]):
+        if line[4 * b + 3, 1] <= (square if reach < 0.5 * math.pi else 2.0 - square):
+            near[count] = b
+            count += 1
+    return count
+
+
+@njit(bare=True)
+def _squares_in_tile(
+    scratch: Scratch, arcs: int, nodes: Nodes, tile: Rows, span: tuple[int, int]
+) -> None:
+    """Fill `low` of a tile with the least squared sine of the angle to an arc.
+
+    They are of (u, v, 1), which is longer than 1.  Where no arc is within 90 deg they are negative.
+    """
+    line, low, coords = scratch.line, scratch.low, nodes.coords
+    begin, end = np.uint64(span[0]), np.uint64(-(-span[1] // PAD) * PAD)
+    for r in range(np.uint64(tile.size)):
+        for i in range(begin, end):
+            low[r, i] = math.inf
+    for n in range(arcs):
+        b = scratch.near[n]
+        wall, along, amid = row(line, 4 * b), row(line, 4 * b + 1), row(line, 4 * b + 2)
         spread = line[4 * b + 3, 0]
-        for i in range(np.uint64(width)):
-            u = coords[i]
-            reach, ahead, off = abs(k0 + k1 * u), d0 + d1 * u, w0 + w1 * u
-            beyond = max(reach - ahead, 0.0)
-            square = off * off + beyond * beyond
-            low[i] = min(low[i], square if ahead * spread + reach >= 0.0 else FAR)
+        for r in range(np.uint64(tile.size)):
+            v = coords[tile.first + r]
+            w0, k0, d0 = wall[0] + wall[1] * v, along[0] + along[1] * v, amid[0] + amid[1] * v
+            whole = 1.0 + v * v
+            for i in range(begin, end):
+                u = coords[i]
+                reach, ahead, off = abs(k0 + along[2] * u), d0 + amid[2] * u, w0 + wall[2] * u
+                beyond = max(reach - ahead, 0.0)
+                square = off * off + beyond * beyond
+                far = 2.0 * (whole + u * u) - square
+                low[r, i] = min(low[r, i], square if ahead * spread + reach >= 0.0 else far)
+    for r in range(np.uint64(tile.size)):
+        whole = 1.0 + coords[tile.first + r] ** 2
+        for i in range(begin, end):
+            size = whole + coords[i] * coords[i]
+            low[r, i] = low[r, i] if low[r, i] <= size else low[r, i] - 2.0 * size
 
 
 @njit(inline=True)
@@ -232,7 +288,8 @@ def _signed_angles(
             tip[i] = _arcsine(low[i] * inverse[i])
     else:
         for i in range(tip.shape[0]):
-            tip[i] = _arcsine(math.sqrt(low[i]) * inverse[i])
+            angle = _arcsine(math.sqrt(abs(low[i])) * inverse[i])
+            tip[i] = angle if low[i] >= 0.0 else np.float32(math.pi) - angle
     zero, outside = np.float32(0.0), np.float32(JUST_OUTSIDE)
     for i in range(tip.shape[0]):
         # Verdict and sign are one, though both round by themselves near a wall.
@@ -249,30 +306,25 @@ def fill_tip_angles(
     """Fill the tip angles (rad) of rows; `draw` has left NaN in |SD_g| where the robot tips."""
     coords, count, line, low = nodes.coords, nodes.inverse.shape[0], scratch.line, scratch.low
     arcs, convex, sdg, tip = region.counts[ARCS], region.counts[CONVEX] == 1, out[SDG], out[TIP]
-    width = (count + PAD - 1) // PAD * PAD
+    if region.counts[ACCEPTED] == 0 or arcs == 0:
+        for i in range(rows.at, rows.at + rows.size * count):
+            tip[i] = np.float32(math.pi if sdg[i] == sdg[i] else -math.pi)
+        return
     for b in range(arcs):
         arc = region.arc[b]
         write3(line[4 * b], _on_face(nodes, rows.face, read3(arc.wall)))
         write3(line[4 * b + 1], _on_face(nodes, rows.face, read3(arc.along)))
         write3(line[4 * b + 2], _on_face(nodes, rows.face, read3(arc.amid)))
         line[4 * b + 3, 0] = arc.spread
-    for r in range(rows.first, rows.first + rows.size):
-        at = rows.at + (r - rows.first) * count
-        if region.counts[ACCEPTED] == 0 or arcs == 0:
-            for i in range(count):
-                tip[at + i] = np.float32(math.pi if sdg[at + i] == sdg[at + i] else -math.pi)
-            continue
-        _lowest_in_row(line, arcs, convex, coords[r], coords, low, width)
-        row_of = slice(at, at + count)
-        _signed_angles(low, nodes.inverse[r], convex, sdg[row_of], tip[row_of])
-        if convex:
-            continue
-        furthest = 0.0
-        for i in range(np.uint64(count)):
-            furthest = max(furthest, low[i])
-        if furthest == FAR:
-            for i in range(count):
-                if low[i] == FAR:
-                    stands = sdg[at + i] == sdg[at + i]
-                    g = node_direction(nodes, rows.face, i, r)
-                    tip[at + i] = np.float32(tip_angle(region, stands, g))
+    for skipped in range(0, rows.size, TALL):
+        tile = Rows(rows.face, rows.first + skipped, min(TALL, rows.size - skipped), 0)
+        for begin in range(0, 0 if convex else max(count - WIDE + 1, 1), WIDE):
+            span = begin, count if begin + 2 * WIDE > count else begin + WIDE
+            some = _near_arcs(region, nodes, tile, span, scratch)
+            _squares_in_tile(scratch, some, nodes, tile, span)
+        for r in range(tile.size):
+            if convex:
+                _lowest_in_row(line, arcs, coords[tile.first + r], coords, low[r])
+            at = rows.at + (skipped + r) * count
+            row_of, inverse = slice(at, at + count), nodes.inverse[tile.first + r]
+            _signed_angles(low[r], inverse, convex, sdg[row_of], tip[row_of])

@@ -1,6 +1,7 @@
 """Blocks of a map: the channels of many postures over rows of directions, in float32.
 
-The margins are computed node by node, and so is a robot under a wrench; all else by `rows`.
+Margins, shares of load and a robot under a wrench are computed as `evaluate` does; all else by
+`rows`.
 """
 
 from collections.abc import Sequence
@@ -10,56 +11,30 @@ import numpy as np
 
 from lutgen.arrays import Floats, Singles
 from lutgen.channels.evaluation import measure_recipe
-from lutgen.channels.exact import ENERGY, MARGIN, SHARE, TIP, Setting, measure, wanted_channels
-from lutgen.channels.loads import share_of
+from lutgen.channels.exact import TIP, Setting, wanted_channels
 from lutgen.channels.measuring import Memory, own_memory
-from lutgen.channels.rows import (
-    PAD,
-    Nodes,
-    Rows,
-    Scratch,
-    draw,
-    fill_tip_angles,
-    node_direction,
-    nodes_of,
-)
-from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of
+from lutgen.channels.rows import PAD, TALL, Nodes, Rows, Scratch, draw, fill_tip_angles, nodes_of
+from lutgen.channels.wrench import acceptance_of, primitives_of
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
-from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward
-from lutgen.support import Region, stand
+from lutgen.support import stand
 
 # Rows are computed in bands of about this many nodes, which stay in the cache between passes.
 BAND = 4096
-# Readings of a loaded robot that are held in float64 at once, or those of one posture.
+# Channels that follow from whole rows.
+BY_ROWS = {"sdg", "height", "tip_angle", "facet", "status"}
+# Readings that are held in float64 at once, or those of one posture.
 AT_ONCE = 1 << 17
-
-
-@njit(bare=True)
-def _each_node(
-    region: Region, nodes: Nodes, rows: Rows, setting: Setting, values: Floats, out: Singles
-) -> None:
-    """Fill the wanted channels of rows node by node."""
-    wanted, groups = setting.wanted, setting.groups
-    count = nodes.inverse.shape[0]
-    for r in range(rows.size):
-        for i in range(count):
-            g = node_direction(nodes, rows.face, i, rows.first + r)
-            measure(region, g, wanted, values)
-            if wanted[SHARE]:
-                values[SHARE] = share_of(region, values, g, ZERO, groups)
-            for c in range(len(CHANNELS)):
-                if wanted[c]:
-                    out[c, rows.at + r * count + i] = np.float32(values[c])
 
 
 def scratch_for(nodes: Nodes) -> tuple[Memory, Scratch]:
     """Return what `scan_part` writes."""
     memory, count = own_memory(), nodes.inverse.shape[0]
-    lines = np.empty((4 * memory.region.arc.shape[0], 3))
-    return memory, Scratch(lines, np.empty((3, max(BAND // count, 1))), np.empty(count + PAD))
+    arcs, span = memory.region.arc.shape[0], np.empty((3, max(BAND // count, 1)))
+    low = np.empty((TALL, -(-count // PAD) * PAD))
+    return memory, Scratch(np.empty((4 * arcs, 3)), np.empty(arcs, np.int64), span, low)
 
 
 @njit(bare=True)
@@ -73,7 +48,7 @@ def scan_part(
     out: Singles,
 ) -> None:
     """Fill a span of rows of a block, counted through its postures; see `scan`."""
-    ((region, _, values), scratch), accept, wanted = memory, setting.acceptance, setting.wanted
+    ((region, _, _), scratch), accept, wanted = memory, setting.acceptance, setting.wanted
     first, per_posture, count = lines[0], lines[1] - lines[0], nodes.inverse.shape[0]
     band, current, (line, end) = scratch.span.shape[1], -1, span
     while line < end:
@@ -86,9 +61,6 @@ def scan_part(
         size = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
         rows = Rows(face, first_row, size, line * count)
         line += size
-        if wanted[MARGIN] or wanted[ENERGY] or wanted[SHARE]:
-            _each_node(region, nodes, rows, setting, values, out)
-            continue
         draw(region, nodes, rows, scratch, wanted, out)
         if wanted[TIP]:
             fill_tip_angles(region, nodes, rows, scratch, out)
@@ -104,7 +76,7 @@ def scan(
     primitives : (m, n, 8) float64
         Primitives of every posture, relative to the com, rows of `primitive.pack`.
     setting : Setting
-        Limits of facets, and the channels to fill.
+        Limits of facets, and the channels to fill, of `BY_ROWS`.
     nodes : Nodes
         The directions.
     lines : tuple of int
@@ -127,9 +99,9 @@ class Scanner:
         self._recipe, self._channels = recipe, channels
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
-        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels), groups_of(recipe))
-        # For loaded robots alone: for the others the kernel makes the directions itself.
-        self._directions = chart.directions().reshape(self.rows, -1, 3) if recipe.loaded else None
+        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels))
+        by_node = recipe.loaded or not BY_ROWS.issuperset(channels)
+        self._directions = chart.directions().reshape(self.rows, -1, 3) if by_node else None
 
     def fill(self, params: Floats, first: int, last: int, out: Singles) -> None:
         """Fill `out` for postures (m, k) over rows [first, last) of each; see `scan`."""

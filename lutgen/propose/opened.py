@@ -169,11 +169,12 @@ def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
     """Return the description with the shapes on which it stands, of each chain the lowest.
 
     Where these are not spheres, cylinders and meshes, the boxes of links without these count as
-    corners, and then the looks of links without collision shapes.
+    corners, and then the looks of links without collision shapes.  Boxes also count where they
+    hang from a link with a sphere or cylinder and are lower than all of those: feet below shanks.
     """
-    if has_support(robot, where):
-        return robot
-    for dress in (_cornered, lambda link: _cornered(drawn(link))):
+    stands = has_support(robot, where)
+    ways = (_cornered, lambda link: _cornered(drawn(link)))
+    for dress in ways[:1] if stands else ways:
         dressed = {link.name: dress(link) for link in robot.links}
         heights = {
             name: min((lowest_of(c, where[name]) for c in link_contacts(link)), default=math.inf)
@@ -181,6 +182,8 @@ def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
         }
         lows = _along_chains(robot, heights)
         allowed = LOWER * (float(centre_of_mass(robot, where)[2]) - min(heights.values()))
+        if stands and not _hang_lower(robot, heights, allowed):
+            return robot
         links = tuple(
             dressed[link.name] if heights[link.name] <= lows[link.name] + allowed else link
             for link in robot.links
@@ -188,6 +191,17 @@ def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
         if has_support(replace(robot, links=links), where, near=True):
             return replace(robot, links=links)
     return robot
+
+
+def _hang_lower(robot: UrdfRobot, heights: Mapping[str, float], allowed: float) -> bool:
+    """Return True if a box is lower than all spheres and cylinders, and hangs from one of these."""
+    round_ = {link.name for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)}
+    hang = set(round_)
+    for joint in downwards(robot):
+        if joint.parent in hang:
+            hang.add(joint.child)
+    ground = min(heights[name] for name in round_) - allowed
+    return any(heights[name] < ground for name in hang - round_)
 
 
 def drawn(link: UrdfLink) -> UrdfLink:

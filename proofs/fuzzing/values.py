@@ -1,4 +1,4 @@
-"""Words that nobody should write, and texts and bytes that are changed."""
+"""Words that nobody should write, beside those that Hypothesis knows, and damaged texts."""
 
 import re
 
@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 ODD = ("9" * 5000, "[" * 50_000, "{ a = " * 50_000, "<a>" * 50_000, "a" * 9999, "1e999", "07:32:00")
 RUDE = ("-o", "../../x", "%n%s", "$(id)", "]]>", "\x1b[31m", "\x00", '""', "[]", "{}", '[1, "x"]')
-# Hypothesis knows the numbers and the letters that are hard.
 LETTERS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
 WORDS = st.floats().map(repr) | st.integers().map(str) | LETTERS | st.sampled_from(ODD + RUDE)
 

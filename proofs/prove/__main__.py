@@ -37,14 +37,13 @@ def made(row: str) -> tuple[Recipe, bytes, bool]:
     """Return an export of the gallery: its recipe, its bytes, whether it is read without floats."""
     name, size = row.split(": ")
     label, arithmetic = size.split(", ")
-    recipe = load_recipe(MAPS / f"{name}.toml")
-    model, channels = Model(recipe), ("sdg", "tip_angle")
+    model = Model(load_recipe(MAPS / f"{name}.toml"))
     codec, *words = label.split()
     (info,) = usable(model, arithmetic, codec)
     nodes = tuple(tuple(map(int, word.split("x"))) for word in words[1:])
     spec = lookup.Spec(int(words[0][1:]), nodes) if words else None
-    export = info.export(model, name, channels, arithmetic, spec)
-    return recipe, describe(export).bytes, export.integer
+    export = info.export(model, name, ("sdg", "tip_angle"), arithmetic, spec)
+    return model.recipe, describe(export).bytes, export.integer
 
 
 def line(asked: str) -> tuple[bool, str]:

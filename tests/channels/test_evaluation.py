@@ -60,14 +60,15 @@ def test_directions_that_are_not_those_of_the_postures_and_unknown_channels_are_
         evaluate_each(recipe, params, np.ones((5, 3)), ("sgd",))
 
 
-def test_sweeps_of_loaded_robots_read_what_evaluate_reads():
-    recipe = moving()
+@pytest.mark.parametrize("recipe", [moving(), lutgen.parse_recipe(tripod())])
+def test_sweeps_under_forces_or_with_margins_read_what_evaluate_reads(recipe):
     params = recipe.grid.params(np.arange(recipe.grid.size))
     g = recipe.chart.directions().reshape(-1, 3)
     names = ("sdg", "height", "tip_angle", "margin", "facet")
     got = lutgen.evaluate(recipe, params, g, names)
     assert (got["tip_angle"] >= 0).any()
     assert (got["tip_angle"] < 0).any()
+    np.testing.assert_array_equal(got["margin"] < 0, got["tip_angle"] < 0)
     scanner = Scanner(recipe, recipe.chart, names)
     for first, last in ((0, scanner.rows), (2, 5)):
         out = np.full(

@@ -111,16 +111,6 @@ def test_rows_of_feet_and_of_wheels_with_gaps_equal_the_exact_channels_within_fl
     assert 0.05 < np.mean(tips) < 0.99
 
 
-def test_rows_with_margins_equal_the_exact_channels_within_float32():
-    for robot in (random_feet(303, 6, 3), random_feet(305, 6, 5)):
-        got = rows(robot, CHARTS["cone"], LIMITS["default"], CHANNELS)
-        want = exact(robot, CHARTS["cone"], LIMITS["default"], CHANNELS)
-        assert_equal_within_float32(got, want)
-        assert_one_verdict(got)
-        for name in ("margin", "energy_margin"):
-            np.testing.assert_array_equal(got[name] < 0.0, got["tip_angle"] < 0.0)
-
-
 CLOSED = {
     "cube": [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
     "octahedron": [*np.eye(3).tolist(), *(-np.eye(3)).tolist()],

@@ -160,6 +160,15 @@ def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(inside, kinds,
     assert [words[: len(guess or "")] for words in found.guessed] == ([guess] if guess else [])
 
 
+def test_boxes_below_all_balls_are_feet_where_they_hang_from_the_links_with_these():
+    # Unitree's H1 has round shanks and flat soles; a vehicle's low box is drawn too large.
+    for balls, soles, kinds in (("base", "arm", {"point"}), ("arm", "base", {"sphere"})):
+        parts = {balls: FEET, soles: SOLE.replace("-0.9", "-2.9")}
+        links = (link(name, 9.0, "0 0 0", inside) for name, inside in sorted(parts.items()))
+        found = import_urdf(parse_urdf(robot(*links, joint("j", "fixed", "base", "arm"))))
+        assert {contact.kind for contact in found.recipe.contacts} == kinds
+
+
 def test_a_joint_without_limits_turns_all_the_way_and_is_named():
     endless = joint("lean", "revolute", "base", "arm", '<axis xyz="0 1 0"/>')
     found = import_urdf(parse_urdf(robot(ARM, endless)))
