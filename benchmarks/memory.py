@@ -77,7 +77,7 @@ def sweeps(folder: Path, nodes: int = NODES) -> Iterator[Row]:
         )
         yield Row(f"{name}: sdg", 1, a, "C loop", c, 1.0)
         yield Row(f"{name}: sdg", 1, a, "NumPy", vectorised, 0.01 if case.contacts > 3 else None)
-        yield Row(f"{name}: sdg + tip_angle", 1, b, "sdg", a, 2.5)
+        yield Row(f"{name}: sdg + tip_angle", 1, b, "sdg", a, 4.0 if angles else 2.5)
         if numba.config.NUMBA_NUM_THREADS > 1:
             numba.set_num_threads(2)
             (two,) = interleave(both)
