@@ -9,19 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.arrays import Floats
-from lutgen.channels.exact import (
-    checked_directions,
-)
+from lutgen.channels.exact import checked_directions
 from lutgen.channels.measuring import measure_postures
 from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
-from lutgen.support import (
-    MAX_PRIMITIVES,
-    acceptance,
-    pack,
-)
+from lutgen.support import MAX_PRIMITIVES, acceptance, pack
 
 
 def measure_recipe(
@@ -160,27 +154,9 @@ def evaluate_each(
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels of m postures, each under its own gravity direction or directions.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Geometry parameters, rad or length.
-    gravity_dir : (m, 3) or (m, d, 3) array_like
-        Directions pointing down, of any length > 0; one or d for each posture.
-    channels : sequence of str
-        See `stability`.
-    convention : {"body", "plane"}
-        The frame of the directions, see `body_gravity`.
-
-    Returns
-    -------
-    dict of str to (m,) or (m, d) float64
-
-    Raises
-    ------
-    InputError
-        For wrong shapes, numbers that are not finite and unknown channels.
+    As `evaluate`, but `params` (m, k) may be beyond their limits, and `gravity_dir` is (m, 3) or
+    (m, d, 3), in the frame that `convention` names, see `body_gravity`; so are the channels, (m,)
+    or (m, d).
 
     Examples
     --------
@@ -206,24 +182,12 @@ def evaluate_each(
 def body_gravity(
     recipe: Recipe, params: ArrayLike, gravity: ArrayLike, convention: str = "body"
 ) -> NDArray[np.float64]:
-    """Return the gravity direction in the body frame of m postures: T_g.
+    """Return the gravity direction in the body frame of m postures: T_g, unit vectors (m, 3).
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Geometry parameters, rad or length.
-    gravity : (3,) or (m, 3) array_like
-        Pointing down, any length > 0; in the frame that the convention names.
-    convention : {"body", "plane"}
-        F and P of the head of `resting`.
-
-    Returns
-    -------
-    (m, 3) float64
-        Unit vectors.  Under ``"plane"`` the robot rests on the plane with the facet that carries
-        it; without one, with the one that comes closest, and the robot tips.
+    `params` (m, k) are rad or length; `gravity`, (3,) or (m, 3), points down, of any length > 0, in
+    the frame that the `convention` names: F, "body", and P, "plane", of the head of `resting`.
+    Under P the robot rests on the plane with the facet that carries it; without one, with the one
+    that comes closest, and it tips.
 
     Examples
     --------
