@@ -1,6 +1,5 @@
 """Fixtures that several test files share, and what happens to tests that cannot run here."""
 
-from collections.abc import Callable, Generator
 from pathlib import Path
 
 import numba
@@ -9,7 +8,6 @@ from hypothesis import settings
 
 import lutgen
 from lutgen.mapping import plan, sweeper
-from lutgen.recipe import Recipe
 from tests.fixtures.needs import ABSENT, lacking
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import ALL_CHANNELS, tripod
@@ -20,13 +18,13 @@ settings.register_profile("lutgen", deadline=None, derandomize=True, max_example
 settings.load_profile("lutgen")
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Let each of several workers compute by one thread: more than cores wait for each other."""
     if hasattr(config, "workerinput"):
         numba.set_num_threads(1)
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Add the two options by which continuous integration runs every test exactly once."""
     group = parser.getgroup("tests that are skipped")
     group.addoption(
@@ -38,7 +36,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--nothing-skipped", action="store_true", help="a test that is skipped fails")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Skip the tests that need what is not here, and say what that is."""
     for item in items:
         names = [name for mark in item.iter_markers("needs") for name in mark.args]
@@ -48,9 +46,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+def pytest_runtest_makereport(item):
     """Turn a skip into a failure where nothing may be skipped."""
     report = yield
     if report.skipped and item.config.getoption("nothing_skipped"):
@@ -59,9 +55,7 @@ def pytest_runtest_makereport(
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(
-    collector: pytest.Collector,
-) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+def pytest_make_collect_report(collector):
     """Turn the skip of a whole file into an error where nothing may be skipped."""
     report = yield
     if report.skipped and collector.config.getoption("nothing_skipped"):
@@ -69,9 +63,7 @@ def pytest_make_collect_report(
     return report
 
 
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
+def pytest_terminal_summary(terminalreporter, config):
     """Write down what was skipped, without what cannot be installed."""
     place = config.getoption("skipped_to")
     if place is None:
@@ -87,21 +79,19 @@ def pytest_terminal_summary(
 
 
 @pytest.fixture
-def tripod_path(tmp_path: Path) -> Path:
-    """Return the path of a recipe of 4 x 3 postures, in a length and an angle."""
+def tripod_path(tmp_path):
     path = tmp_path / "tripod.toml"
     path.write_text(tripod())
     return path
 
 
 @pytest.fixture(scope="session")
-def two() -> Recipe:
-    """Return the paper's robot with two moving wheels."""
+def two():
     return lutgen.load_recipe(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="session")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def swept(tmp_path_factory):
     """Return a folder with three maps that no test changes."""
     folder = tmp_path_factory.mktemp("maps")
     for name, text in {
@@ -114,10 +104,10 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def cut(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+def cut(monkeypatch):
     """Return a function that sets how many nodes a block of a sweep may hold."""
 
-    def set_size(nodes: int) -> None:
+    def set_size(nodes):
         monkeypatch.setattr(sweeper, "plan", lambda recipe: plan(recipe, nodes))
 
     return set_size

@@ -25,7 +25,6 @@ NAMES = pytest.mark.parametrize("name", ["bowls", "articulated", "marv"])
 
 
 def sledge(rock_angle, flat=FLAT, rises=RISES, bend=BEND):
-    """Return a sledge on eight points."""
     up = -HIGH + rises * math.tan(bend)
     points = [
         (x, y, z)

@@ -24,7 +24,6 @@ TABLE = rigid(feet([(1, 0.6, -1), (-1, 0.6, -1), (-1, -0.6, -1), (1, -0.6, -1)])
 
 @pytest.fixture(scope="module")
 def table():
-    """Return the table."""
     return lutgen.parse_recipe(TABLE)
 
 

@@ -38,7 +38,6 @@ def cart(rolling, friction=0.8, ball=(), toe=0.0, places=PLACES):
 
 
 def parsed(*arguments, **options):
-    """Return the same as a recipe."""
     return lutgen.parse_recipe(cart(*arguments, **options))
 
 
@@ -92,7 +91,6 @@ def by_forces(posture, direction, load=None):
     the circle of friction is a polygon of 360 sides inside it.
     """
     facet = posture.stance.under(direction)
-    assert facet is not None
     frame = facet.frame(direction)
     places, count = facet.touching_points @ frame.T, len(facet.touching)
     turns = np.arange(360) * (2.0 * math.pi / 360)
@@ -143,7 +141,6 @@ def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_th
         for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
             facet = posture.stance.under(direction)
-            assert facet is not None
             every = held_share(posture, facet, direction)
             some = held_share(posture, facet, direction, "some")
             assert every <= some + 1e-10  # what a search misses
@@ -167,7 +164,6 @@ MIDDLE, ENDS = (2, 3), (0, 1, 4, 5)
 
 
 def six(rolling):
-    """Return a six-wheeler."""
     return Posture(parsed(rolling, 0.7, places=SIX), [])
 
 
@@ -194,7 +190,6 @@ def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheel
     # Held on that slope it tips over its nose (0.5 ahead, 0.5 high) from 45 deg on; rolling never.
     steep = tilted(math.radians(50.0), 0.0)
     rolling = rolling_gravity(Posture(parsed(ALL), []), steep)
-    assert rolling is not None
     angle = lutgen.evaluate(parsed(ALL), [[]], [steep, rolling], ("tip_angle",))["tip_angle"][0]
     assert angle[0] == pytest.approx(math.radians(-5.0), abs=1e-12)
     assert angle[1] == pytest.approx(math.atan(0.4 / 0.5), abs=1e-12)

@@ -32,7 +32,6 @@ CONVENTIONS = ("body", "plane")
 
 
 def box(head="friction = 0.7", unit="m", scale=1.0):
-    """Return a rigid box on four feet."""
     corners = [[scale * x for x in corner] for corner in CORNERS]
     return parse_recipe(rigid(feet(corners), head=head, unit=unit))
 
@@ -107,7 +106,6 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it():
     one = lutgen.load_recipe(MAPS / "paper_one.toml")
     posture = np.array([0.75])
     facet = diagnose(Posture(one, posture), [0.0, 0.0, -1.0]).facet
-    assert facet is not None
     (frame,) = level_frames(one, posture[None], "plane")
     np.testing.assert_allclose(frame, gravity_transform(-facet.normal), atol=1e-12)
     heading = 0.4

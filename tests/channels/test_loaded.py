@@ -84,7 +84,6 @@ def test_a_drawbar_tips_a_box_where_the_lever_rule_says():
     # The resultant meets the ground P z / W behind the com, and its line passes that edge at
     # (a - P z / W) cos(slope of the resultant).
     back = force * height / WEIGHT
-    assert found.facet is not None
     assert found.pierced == pytest.approx([-back, 0, -high], abs=1e-12)
     assert found.channels["sdg"] == pytest.approx(back, abs=1e-12)
 

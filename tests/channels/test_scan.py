@@ -66,7 +66,6 @@ def rows(primitives, chart, limits, channels=FAST):
 
 
 def exact(primitives, chart, limits, channels=FAST):
-    """Return the exact channels, in the same shape."""
     directions = chart.directions().reshape(1, -1, 3)
     return measure_postures(primitives, directions, channels, acceptance(*limits))
 

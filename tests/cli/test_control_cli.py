@@ -48,7 +48,6 @@ def firmware(tmp_path_factory):
 
 
 def ridden(firmware, *more):
-    """Return the report of the paper's path."""
     return control(firmware, "--turn", 30, *NOMINAL, *more)
 
 

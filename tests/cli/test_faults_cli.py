@@ -23,7 +23,6 @@ from tests.fixtures.recipes import tripod
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Return a folder with a recipe, made the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
     return tmp_path

@@ -71,7 +71,6 @@ IMPOSSIBLE = ("--velocity", "0.5,0", "--yaw-rate", 57.29577951308232)
 
 @pytest.fixture
 def cart(tmp_path):
-    """Return the recipe of a differential drive with a wheel in the air."""
     path = tmp_path / "cart.toml"
     path.write_text(rigid(CART + WHEELS, name="cart"))
     return path
@@ -95,7 +94,6 @@ def test_an_impossible_motion_comes_with_the_nearest_that_is_possible(cart):
     assert result.exit_code == 1
     # It can be asked for as it is printed.
     found = re.search(r"possible: velocity (\S+) m/s, yaw rate (\S+) deg/s", result.stdout)
-    assert found is not None
     good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
 
 
@@ -116,7 +114,6 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground():
 
 @pytest.fixture
 def ditch(tmp_path):
-    """Return the file of two feet on walls of 45 deg."""
     path = tmp_path / "ditch.toml"
     path.write_text(DITCH)
     return path

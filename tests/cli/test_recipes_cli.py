@@ -22,7 +22,6 @@ MINE = b"my thesis"
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Make a folder with a recipe the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
 

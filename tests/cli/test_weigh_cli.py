@@ -16,7 +16,6 @@ PAGE = "docs/guide/weigh.md"
 
 @pytest.fixture
 def rover(tmp_path, monkeypatch):
-    """Make a folder with the rover and the weighings of the page the working folder."""
     monkeypatch.chdir(tmp_path)
     stdout("new", "wheels", "-o", "rover.toml")
     Path("scales.csv").write_text(*blocks(PAGE, "csv"))

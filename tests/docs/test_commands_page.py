@@ -21,7 +21,6 @@ LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", TEXT, re.MU
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Return an empty working folder, with this environment's programs first on the path."""
     monkeypatch.chdir(tmp_path)
     programs = str(Path(sys.executable).parent)
     monkeypatch.setenv("PATH", os.pathsep.join([programs, os.environ["PATH"]]))

@@ -29,7 +29,6 @@ RECIPES = TARGET.read_text(encoding="utf-8")
 
 @pytest.fixture
 def clone(tmp_path, monkeypatch):
-    """Return a folder with the recipes in it, made the working folder."""
     shutil.copytree(MAPS, tmp_path / "maps")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -52,7 +51,6 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
     counts = tuple(re.findall(r"tips over at (\d+)", printed["path"]))
     page = (ROOT / PAPER).read_text(encoding="utf-8")
     said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", page, re.DOTALL)
-    assert said is not None
     assert counts == said.groups()
     assert len(printed) == 3
 
@@ -152,7 +150,6 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
     assert "- name: The lutgen developers" in citation
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
-    assert newest is not None
     assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"
 
 

@@ -72,7 +72,6 @@ PAGES |= {
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Return a folder with the gallery and robot descriptions, made the working folder."""
     (tmp_path / "maps").symlink_to(MAPS)
     for name in ("quadruped.urdf", "quadruped.srdf"):
         shutil.copy(VECTORS / name, tmp_path)

@@ -60,7 +60,6 @@ def folders(exports, tmp_path_factory):
 
 
 def build(folder, *flags, compiler="cc", sources=()):
-    """Compile the C files of a folder without linking."""
     names = sources or tuple(sorted(path.name for path in folder.glob("*.c")))
     command = [compiler, *flags, "-fsyntax-only", *names]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

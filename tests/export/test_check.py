@@ -70,7 +70,6 @@ def test_every_flip_of_one_bit_and_of_two_is_noticed(name):
 
 
 def sealed(content):
-    """Return a blob with the CRC-32 that its bytes have."""
     return zlib.crc32(content[4:]).to_bytes(4, "little") + content[4:]
 
 

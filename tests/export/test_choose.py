@@ -2,7 +2,6 @@
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import ClassVar
@@ -40,7 +39,7 @@ class Formula:
     name: str = "grid"
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     largest: int = 30
-    false_tip: Callable[[Spec], float] = lambda spec: 0.0
+    false_tip: object = lambda spec: 0.0
     families: ClassVar = {"float": "points"}
 
     def sizes(self, *_):
@@ -89,7 +88,6 @@ def best(formula, flash, percent):
 
 
 def best_grid(trials, flash, percent):
-    """Return the best candidate of the codec `grid` that holds the robot."""
     codecs = usable(trials.model, trials.arithmetic, "grid")
     return choose(trials, codecs, Goal(flash, percent))
 
@@ -158,7 +156,6 @@ def robot_of(text):
 
 @pytest.fixture
 def wheels(monkeypatch):
-    """Return a function that makes a bench of four wheels, one of which lifts off."""
     monkeypatch.setattr(chooser, "POINTS", 6_000)
 
     def make(*channels, arithmetic="integer"):

@@ -30,7 +30,6 @@ CONE, SPHERE = list(MODELS.values())[:2]
 
 
 def normalised(one, sample):
-    """Return the postures over the box, 0 to 1."""
     return np.asarray((sample.params - one.lower) / (one.upper - one.lower))
 
 

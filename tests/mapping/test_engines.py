@@ -30,7 +30,6 @@ SIZE, BLOCKS = 242, 27
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Return a cluster of one worker to begin with."""
     with LocalCluster(
         n_workers=1,
         threads_per_worker=1,

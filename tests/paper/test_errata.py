@@ -54,12 +54,10 @@ def foot(wheels):
 
 
 def sdg(contacts, gravity):
-    """Return |SD_g| of the library."""
     return float(lutgen.stability(contacts[None], gravity[None], ("sdg",))["sdg"][0, 0])
 
 
 def tip_angle(contacts, gravity):
-    """Return the tip-over angle of the library, rad."""
     found = lutgen.stability(contacts[None], np.atleast_2d(gravity), ("tip_angle",))
     return found["tip_angle"][0]
 
@@ -76,7 +74,6 @@ def centre(contacts):
 
 
 def eq12(distances):
-    """Return the shares of the load as printed."""
     total = distances.sum()
     return -(total / (len(distances) / 2) - distances) / total
 

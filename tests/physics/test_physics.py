@@ -22,16 +22,10 @@ def leaning(degrees):
     return np.array([math.sin(t), 0.0, -math.cos(t)])
 
 
-def begun(posture, gravity_dir):
-    begin = start(posture, gravity_dir)
-    assert begin is not None
-    return begin
-
-
 @pytest.mark.parametrize(("off", "tips"), [(-0.02, False), (0.02, True)])
 def test_the_engine_tips_a_table_where_gravity_passes_its_front_feet(off, tips):
     posture, down = body(TABLE), leaning(math.degrees(math.atan(1.0 / 3.0)) + off)
-    assert falls(posture, begun(posture, down), down) is tips
+    assert falls(posture, start(posture, down), down) is tips
 
 
 def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls():
@@ -41,7 +35,7 @@ def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls():
     for com, fell in ((-0.2, False), (0.3, True)):
         posture = body(centres - [0.0, 0.0, com], 0.02, SIDEWAYS)
         # In balance on the middle wheels, which are the lowest by themselves for a moment.
-        place = begun(posture, DOWN)
+        place = start(posture, DOWN)
         assert place.balanced(posture)
         assert math.degrees(rocking.gap_width(posture, place)) == pytest.approx(8.0, abs=1.0)
         assert falls_either_way(posture, place, DOWN) is fell
@@ -51,7 +45,7 @@ def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_lat
     posture = body(TABLE)
     for heading, reach in ((0.0, 0.1), (0.5 * math.pi, 0.2)):
         limit = math.atan2(reach, 0.3)
-        slope = ground.slope_at_fall(posture, begun(posture, DOWN), heading, ground.UNTIL * limit)
+        slope = ground.slope_at_fall(posture, start(posture, DOWN), heading, ground.UNTIL * limit)
         assert ground.LATE - ground.CLEAR < slope - limit < math.radians(0.35)
 
 
@@ -60,7 +54,7 @@ def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_lat
 )
 def test_a_com_off_by_3_cm_is_found(off, lean, what, monkeypatch):
     posture, down = body(TABLE), leaning(lean)
-    tried = [(down, begun(posture, down))]
+    tried = [(down, start(posture, down))]
     assert judge.missed("agreement", {"table": agreement.counted(posture, tried)}) == []
     true = Posture.tip_angles
 

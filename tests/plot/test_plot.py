@@ -38,7 +38,6 @@ def table():
 
 @pytest.fixture(scope="module")
 def absolem():
-    """Return a robot whose support jumps to other wheels."""
     return lutgen.load_recipe(MAPS / "absolem.toml")
 
 
@@ -66,7 +65,6 @@ def title(figure):
 
 
 def line(figure, label):
-    """Return the data of the one line of a label."""
     (found,) = (x for axes in figure.axes for x in axes.get_lines() if x.get_label() == label)
     return found.get_data()
 

@@ -19,7 +19,6 @@ LEGS = ("FL", "FR", "RL", "RR")
 
 
 def axis(text, joint, turned):
-    """Return a description in which a joint has another axis."""
     pattern = rf'(name="{joint}".*?axis xyz=")[^"]*'
     found, count = re.subn(pattern, rf"\g<1>{turned}", text, count=1, flags=re.DOTALL)
     assert count == 1

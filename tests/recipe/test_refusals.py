@@ -92,15 +92,14 @@ FEET = "".join(
 )
 
 
-def refusal(text: str) -> str:
-    """Return why a recipe is refused."""
+def refusal(text):
     with pytest.raises(RecipeError) as caught:
         lutgen.parse_recipe(text, "bad.toml")
     return str(caught.value)
 
 
 @pytest.mark.parametrize(("old", "new", "said"), FAULTS)
-def test_a_fault_is_refused_with_its_key(old: str, new: str, said: str) -> None:
+def test_a_fault_is_refused_with_its_key(old, new, said):
     assert old in EVERYTHING
     first, *others = refusal(EVERYTHING.replace(old, new, 1)).split("\n")
     assert first.startswith(f"bad.toml: key `{said}")
@@ -108,7 +107,7 @@ def test_a_fault_is_refused_with_its_key(old: str, new: str, said: str) -> None:
         assert re.fullmatch(r"bad\.toml: key `\S+`: .+ \(got .+\); .+\.", line)
 
 
-def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> None:
+def test_all_faults_are_said_at_once_those_of_types_before_those_of_names():
     text = EVERYTHING.replace("friction =", "friktion =").replace('"cone"', '"conic"')
     text = text.replace("max = 50.0", "max = true").replace('link = "leg"', 'link = "arm"')
     assert refusal(text).split("\n") == [
@@ -131,8 +130,7 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
     assert last == "bad.toml: and 40 more faults."
 
 
-def weightless(kind: str, value: str) -> str:
-    """Return a robot without masses that carries something."""
+def weightless(kind, value):
     part = f'[[robot.{kind}]]\nname = "x"\nlink = "body"\nposition = [0, 0, 0]\n{value}\n'
     return rigid(feet(BOX) + part)
 
@@ -160,7 +158,7 @@ def weightless(kind: str, value: str) -> str:
         (EVERYTHING + FEET, "robot.contact`: a robot needs 3 to 62 contacts (got 63); keep those"),
     ],
 )
-def test_what_one_change_does_not_make_is_refused_too(text: str, said: str) -> None:
+def test_what_one_change_does_not_make_is_refused_too(text, said):
     assert refusal(text).startswith(f"bad.toml: key `{said}")
 
 
@@ -173,15 +171,15 @@ def test_what_one_change_does_not_make_is_refused_too(text: str, said: str) -> N
         ("a = \u0661", "is not TOML (got Invalid value (at line 1,"),
     ],
 )
-def test_what_is_no_toml_is_refused_with_its_line(text: str, said: str) -> None:
+def test_what_is_no_toml_is_refused_with_its_line(text, said):
     assert refusal(text).startswith(f"bad.toml: {said}")
 
 
-def test_numbers_are_those_of_toml() -> None:
+def test_numbers_are_those_of_toml():
     text = EVERYTHING.replace("max = 50.0", "max = 5_0").replace("mass = 5.0", "mass = 0x5")
     assert lutgen.parse_recipe(text).parameters == lutgen.parse_recipe(EVERYTHING).parameters
 
 
-def test_a_search_for_an_energy_margin_under_a_load_is_refused() -> None:
+def test_a_search_for_an_energy_margin_under_a_load_is_refused():
     with pytest.raises(lutgen.InputError, match="energy_margin is not defined"):
         Objective(robot(feet(BOX), rho=0.1), LEVEL, "energy_margin")

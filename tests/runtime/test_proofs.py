@@ -36,13 +36,11 @@ def changed(path, text, instead):
 
 @pytest.fixture
 def subject(tmp_path):
-    """Return a small export that a test may damage."""
     return made("tables_integer", tmp_path / "exports")
 
 
 @pytest.fixture
 def points(tmp_path):
-    """Return an export in floats that a test may damage."""
     return made("paper_two", tmp_path / "exports")
 
 

@@ -81,7 +81,6 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
 
 
 def tent(points):
-    """Return |x| + 2 |y|."""
     return np.asarray(np.abs(points) @ [1.0, 2.0][: points.shape[1]])
 
 

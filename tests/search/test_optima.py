@@ -23,7 +23,6 @@ TILTED = [0.4, 0.3, -1.0]
 
 
 def geometries(count=400):
-    """Return random geometries of `tripod`."""
     return np.random.default_rng(4).uniform([0.0, -0.69], [0.6, 0.87], (count, 2))
 
 

@@ -18,7 +18,6 @@ BY_HEADING = {0: (-SIN, 0, -COS), 90: (0, SIN, -COS), 180: (SIN, 0, -COS), 270: 
 
 
 def on_slope(xy):
-    """Return points (p, 3) of the slope above (p, 2)."""
     return np.column_stack([xy, xy[:, 0] * math.tan(SLOPE)])
 
 

@@ -84,7 +84,6 @@ def test_an_unknown_shape_that_is_lowest_and_a_description_without_mass_are_refu
 
 
 def warned(text):
-    """Return the warnings of an import."""
     return list(import_urdf(parse_urdf(text)).warnings)
 
 

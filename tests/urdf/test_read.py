@@ -14,7 +14,6 @@ PAIR = link("base", 2.0) + link("arm", 1.0)
 
 
 def refusal(content):
-    """Return the sentence with which a description is refused."""
     with pytest.raises(RecipeError) as caught:
         parse_urdf(content, "bad.urdf")
     text = str(caught.value)
@@ -70,7 +69,6 @@ TWO = joint("j", "fixed", "base", "arm")
 
 
 def turning(inside):
-    """Return a description of two links and a revolute joint."""
     return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
 
 

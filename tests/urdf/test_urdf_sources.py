@@ -36,7 +36,6 @@ EXPECTED = {
 
 @pytest.fixture(autouse=True)
 def no_ros(monkeypatch):
-    """Take the variables of an installed ROS away."""
     for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_ROOT"):
         monkeypatch.delenv(name, raising=False)
 
@@ -164,7 +163,6 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
 
 
 def stand(file):
-    """Import the quadruped as an SRDF file says that it stands."""
     robot = load_urdf(VECTORS / "quadruped.urdf")
     found = load_srdf(file, robot)
     name = found.standing()
@@ -172,7 +170,6 @@ def stand(file):
 
 
 def expand(file):
-    """Import a xacro file."""
     import_urdf(load_xacro(file, {name: SHARE / name for name in NAMES}))
 
 
