@@ -8,9 +8,10 @@ from hypothesis import settings
 
 import lutgen
 from lutgen.mapping import plan, sweeper
+from lutgen.quantities import CHANNELS
 from tests.fixtures.needs import ABSENT, lacking
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from tests.fixtures.recipes import tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
@@ -33,7 +34,7 @@ def pytest_addoption(parser):
         type=Path,
         help="write the names of the tests that were skipped, one a line, to FILE",
     )
-    group.addoption("--nothing-skipped", action="store_true", help="a test that is skipped fails")
+    group.addoption("--nothing-skipped", action="store_true", help="fail if a test is skipped")
 
 
 def pytest_collection_modifyitems(items):
@@ -45,37 +46,20 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.skip(reason=missing))
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item):
-    """Turn a skip into a failure where nothing may be skipped."""
-    report = yield
-    if report.skipped and item.config.getoption("nothing_skipped"):
-        report.outcome = "failed"
-    return report
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(collector):
-    """Turn the skip of a whole file into an error where nothing may be skipped."""
-    report = yield
-    if report.skipped and collector.config.getoption("nothing_skipped"):
-        report.outcome = "failed"
-    return report
-
-
-def pytest_terminal_summary(terminalreporter, config):
-    """Write down what was skipped, without what cannot be installed."""
-    place = config.getoption("skipped_to")
-    if place is None:
+def pytest_sessionfinish(session):
+    """Write down what was skipped, without what cannot be installed; fail if nothing may be."""
+    config = session.config
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None:  # in a worker
         return
-    reports = terminalreporter.stats.get("skipped", [])
-    names = {
-        report.nodeid
-        for report in reports
-        if not any(reason in str(report.longrepr) for reason in ABSENT)
-    }
-    place.parent.mkdir(parents=True, exist_ok=True)
-    place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
+    skipped = reporter.stats.get("skipped", [])
+    if skipped and config.getoption("nothing_skipped"):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+    if place := config.getoption("skipped_to"):
+        absent = [one for one in skipped if any(why in str(one.longrepr) for why in ABSENT)]
+        names = {one.nodeid for one in skipped if one not in absent}
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
 
 
 @pytest.fixture
@@ -95,7 +79,7 @@ def swept(tmp_path_factory):
     """Return a folder with three maps that no test changes."""
     folder = tmp_path_factory.mktemp("maps")
     for name, text in {
-        "cone": tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0),
+        "cone": tripod(channels=CHANNELS, nodes=9, max_tilt=60.0),
         "sphere": tripod(channels=("sdg", "tip_angle", "height"), chart="sphere", nodes=5),
         "alone": tripod(channels=("sdg",), nodes=9, max_tilt=60.0),
     }.items():

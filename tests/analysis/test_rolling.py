@@ -246,15 +246,3 @@ def test_three_wheels_roll_away_from_the_same_tilt_on(rolling, heading):
     for side in (-0.5, 0.5):
         down = tilted(limit + math.radians(side), ahead)
         assert moves(down) is (side > 0.0)
-
-
-@pytest.mark.parametrize("rolling", [(2, 3), (0, 1, 4, 5), (0, 1), (2, 3, 4, 5)])
-def test_six_wheels_stay_where_they_hold_and_go_where_they_roll(rolling):
-    (moves, posture), moved = wheeled(SIX, rolling, 0.7), set()
-    for slope in (0.1, 0.35, 0.5, 0.68):
-        down = tilted(math.atan(slope), 0.0)
-        goes = moves(down)
-        assert not (goes and holds(posture, down[None]).any())
-        assert goes or may_hold(posture, down[None]).all()
-        moved.add(goes)
-    assert moved == {True, False}

@@ -8,7 +8,6 @@ import time
 from functools import partial
 from pathlib import Path
 
-import click
 import pytest
 from click.testing import CliRunner
 
@@ -87,12 +86,6 @@ def test_a_full_disk_or_a_reader_that_has_gone_ends_with_a_status(arguments):
     said = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert (said.returncode, said.stderr) == (1, "")
-
-
-def test_nothing_of_click_is_a_fault_of_lutgen():
-    assert issubclass(click.exceptions.Exit, RuntimeError)
-    assert run("check", "--no-such-option").exit_code == 2
-    assert run("--version").exit_code == 0
 
 
 # messages

@@ -10,7 +10,7 @@ import lutgen
 from lutgen.analysis import Posture, posture_limits, wheel_speeds
 from tests.analysis import test_rolling
 from tests.cli.test_refusals_cli import DITCH
-from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.commands import data, run, stdout
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
@@ -66,7 +66,6 @@ AXLE = "axis = [0, 1, 0]\nradius = 0.1\n"
 WHEELS = "".join(f'[[robot.wheel]]\ncontact = "{name}"\n{AXLE}' for name in ("P1", "P2", "P4"))
 # The com is 0.1 behind the axle: at 57.295779513 deg/s it moves 0.1 to the right.
 POSSIBLE = ("--velocity", "0.5,-0.1", "--yaw-rate", 57.29577951308232)
-IMPOSSIBLE = ("--velocity", "0.5,0", "--yaw-rate", 57.29577951308232)
 
 
 @pytest.fixture
@@ -87,14 +86,6 @@ def test_a_wheel_in_the_air_has_no_speed_and_a_robot_that_tips_is_said_to(cart, 
     assert caplog.text == ""
     assert data("wheels", cart, *POSSIBLE, "-g", "3,0,-1", code=3)["standing"] is False
     assert "the robot tips over" in caplog.text
-
-
-def test_an_impossible_motion_comes_with_the_nearest_that_is_possible(cart):
-    result = run("wheels", cart, *IMPOSSIBLE)
-    assert result.exit_code == 1
-    # It can be asked for as it is printed.
-    found = re.search(r"possible: velocity (\S+) m/s, yaw rate (\S+) deg/s", result.stdout)
-    good("wheels", cart, "--velocity", found[1], "--yaw-rate", found[2])
 
 
 def test_parameters_and_gravity_choose_the_posture_and_its_ground():

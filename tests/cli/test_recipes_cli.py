@@ -11,10 +11,11 @@ import pytest
 import lutgen
 from lutgen.files import is_ours
 from lutgen.mapping.compute import Computer
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import recipe_schema, start_recipes
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from tests.fixtures.recipes import tripod
 
 KINDS = list(start_recipes())
 MINE = b"my thesis"
@@ -107,7 +108,7 @@ def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(monk
 
 
 def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenance():
-    Path("tripod.toml").write_text(tripod(channels=ALL_CHANNELS, max_tilt=60.0))
+    Path("tripod.toml").write_text(tripod(channels=CHANNELS, max_tilt=60.0))
     foreseen = data("check", "tripod.toml")
     assert foreseen["nodes"] == 4 * 3 * 7 * 7
     # Seven channels of float32 and one of bytes; the rest of the file is some 50 kB of names.
@@ -120,7 +121,7 @@ def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenan
     stability_map = lutgen.load_map("tripod.h5")
     assert (report["verified"], report["robot"], report["definition"]) == (True, "tripod", 3)
     channels = {entry["name"]: entry for entry in report["channels"]}
-    assert list(channels) == list(ALL_CHANNELS)
+    assert list(channels) == list(CHANNELS)
     words = channels.pop("status")
     assert (words["min"], words["max"], words["unit"]) == ("stands", "tips", "")
     for name, entry in channels.items():

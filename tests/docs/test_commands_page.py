@@ -1,30 +1,17 @@
 """The page on the command line: its commands, its tables, and completion as it says."""
 
-import os
 import re
-import sys
-from pathlib import Path
 
-import pytest
 from click.testing import CliRunner
 
 from lutgen.cli import main
 from tests.cli.test_alike import VERDICTS
 from tests.fixtures.places import ROOT
-from tests.fixtures.programs import run
 
 PAGE = "docs/guide/commands.md"
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
 # Shells of the table, and the line that it gives each.
 LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", TEXT, re.MULTILINE))
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    programs = str(Path(sys.executable).parent)
-    monkeypatch.setenv("PATH", os.pathsep.join([programs, os.environ["PATH"]]))
-    return tmp_path
 
 
 def test_the_table_of_verdicts_names_the_commands_that_have_one():
@@ -53,14 +40,3 @@ def test_commands_options_kinds_and_recipes_are_completed():
     assert "--json" in completions("lutgen sweep", "--")
     assert {f"_LUTGEN_COMPLETE={shell}_source" in line for shell, line in LINES.items()} == {True}
     assert len(LINES) == 3
-
-
-def test_bash_completes_after_the_line_of_the_page(folder):
-    script = f"""{LINES["bash"]}
-    set +u
-    name=$(complete -p lutgen | sed -E 's/.*-F (\\w+) .*/\\1/')
-    COMP_WORDS=(lutgen lim) COMP_CWORD=1
-    "$name" lutgen
-    echo "${{COMPREPLY[@]}}"
-    """
-    assert run(folder, "bash", "-euc", script).split() == ["limits"]

@@ -10,7 +10,8 @@ import lutgen
 from lutgen.errors import InputError
 from lutgen.mapping import channel_range, share_that_tips
 from lutgen.mapping.stability_map import interpolate, locate
-from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod, without_limits
+from lutgen.quantities import CHANNELS
+from tests.fixtures.recipes import feet, rigid, rocker, tripod, without_limits
 
 TETRAHEDRON = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 SQUARE = [(1, 1, -1), (-1, 1, -1), (-1, -1, -1), (1, -1, -1)]
@@ -24,7 +25,7 @@ def cone(swept):
 
 @pytest.fixture(scope="module")
 def rocks(tmp_path_factory):
-    text = rocker(channels=ALL_CHANNELS, nodes=35, max_tilt=62.0)
+    text = rocker(channels=CHANNELS, nodes=35, max_tilt=62.0)
     return lutgen.sweep(lutgen.parse_recipe(text), tmp_path_factory.mktemp("status") / "a.h5")
 
 

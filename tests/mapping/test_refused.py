@@ -17,7 +17,8 @@ import lutgen
 from lutgen.errors import MapFileError
 from lutgen.mapping import verify
 from lutgen.mapping.head import BLANK, sealed
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from lutgen.quantities import CHANNELS
+from tests.fixtures.recipes import tripod
 
 
 @pytest.fixture
@@ -106,7 +107,7 @@ def test_a_map_that_another_program_has_rewritten_is_said_to_be_and_can_be_read(
     assert "was rewritten or edited by another program" in said
     assert "damage" not in said
     want, got = lutgen.load_map(whole), lutgen.load_map(path, unsealed=True)
-    for name in ALL_CHANNELS:
+    for name in CHANNELS:
         np.testing.assert_array_equal(got[name], want[name])
     with pytest.raises(MapFileError, match="rewritten"):
         verify(got)
@@ -128,7 +129,7 @@ def test_a_map_that_another_process_writes_to_is_not_called_damaged(copy):
 
 
 @pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("channel", ALL_CHANNELS)
+@pytest.mark.parametrize("channel", CHANNELS)
 def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(copy, channel, place):
     before = lutgen.load_map(copy)
     assert before[channel].size
@@ -142,11 +143,11 @@ def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(copy, channel, pl
     # The file is looked at, though its values are in memory.
     with pytest.raises(MapFileError, match="damaged"):
         verify(before)
-    assert all(stability_map[name].size for name in ALL_CHANNELS if name != channel)
+    assert all(stability_map[name].size for name in CHANNELS if name != channel)
 
 
 def test_values_of_another_map_are_not_those_of_this_one(copy, tmp_path):
-    other = tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=59.0)
+    other = tripod(channels=CHANNELS, nodes=9, max_tilt=59.0)
     lutgen.sweep(lutgen.parse_recipe(other), tmp_path / "other.h5")
     foreign, content = (tmp_path / "other.h5").read_bytes(), copy.read_bytes()
     with h5py.File(copy, "r") as file, h5py.File(tmp_path / "other.h5", "r") as there:
