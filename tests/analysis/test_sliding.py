@@ -68,9 +68,6 @@ def test_a_robot_without_support_slides_on_nothing():
     assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
 
 
-# Figures
-
-
 def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it():
     text = (MAPS / "paper_one.toml").read_text(encoding="utf-8")
     low = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.2", 1))

@@ -118,9 +118,6 @@ def place(tmp_path_factory):
     return folder
 
 
-# sources
-
-
 @pytest.mark.parametrize("command", RECIPES)
 def test_a_map_given_for_a_recipe_answers_as_the_recipe_inside_it(command, place, tmp_path):
     answers = []
@@ -154,34 +151,21 @@ def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_pat
     assert allowed[0] == allowed[1]
 
 
-# exit codes and words
-
-
-def stance(com_x):
-    feet = "".join(
-        f"[[foot]]\nposition = [{x}, {y}, 0]\n" for x, y in ((1, 1), (1, -1), (-1, 1), (-1, -1))
-    )
-    return f"com = [{com_x}, 0, 1]\nfriction = 0.5\n{feet}"
-
-
-@pytest.fixture
-def robots(tmp_path, monkeypatch):
-    """Return the working folder, with a robot that stands on level ground and one that tips."""
-    monkeypatch.chdir(tmp_path)
-    for name, com_x in (("stands", 0.02), ("tips", -3.0)):
-        text = tripod().replace("com = [0.02,", f"com = [{com_x},")
-        Path(f"{name}.toml").write_text(text.replace("[sweep]", f"{WHEEL}[sweep]", 1))
-        Path(f"{name}_stance.toml").write_text(stance(com_x))
-    Path("flat.csv").write_text("x,y,z\n0,0,0\n1,0,0\n2,0,0\n")
-    return tmp_path
-
-
 @pytest.mark.parametrize("command", VERDICTS)
-def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(command, robots):
-    for name, code in (("stands", 0), ("tips", 3)):
-        source = f"{name}_stance.toml" if command == "stance" else f"{name}.toml"
-        data(command, source, *VERDICTS[command], code=code)
-        result = run(command, source, *VERDICTS[command])
+def test_a_verdict_has_the_same_words_and_exit_code_in_every_command(
+    command, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("flat.csv").write_text("x,y,z\n0,0,0\n1,0,0\n2,0,0\n")
+    feet = "".join(f"[[foot]]\nposition = [{x}, {y}, 0]\n" for x in (1, -1) for y in (1, -1))
+    for name, com_x, code in (("stands", 0.02, 0), ("tips", -3.0, 3)):
+        text = tripod().replace("com = [0.02,", f"com = [{com_x},")
+        text = text.replace("[sweep]", f"{WHEEL}[sweep]", 1)
+        if command == "stance":
+            text = f"com = [{com_x}, 0, 1]\nfriction = 0.5\n{feet}"
+        Path(f"{name}.toml").write_text(text)
+        data(command, f"{name}.toml", *VERDICTS[command], code=code)
+        result = run(command, f"{name}.toml", *VERDICTS[command])
         # It is an answer and no error: printed whole, on stdout.
         assert (result.exit_code, "Error" in result.stderr) == (code, False)
         assert len(result.stdout.splitlines()) > 1
@@ -197,9 +181,6 @@ def test_no_name_prints_another_line_or_what_a_terminal_obeys(tmp_path):
         lines = stdout("limits", path).splitlines()
         assert len(lines) == 13
         assert "\x1b" not in lines[0]
-
-
-# --json
 
 
 def numbers(value, name=""):
@@ -221,9 +202,6 @@ def test_an_answer_has_its_exit_code_and_its_keys_and_angles_their_unit(row, pla
     assert list(report) == " ".join(keys).split()
     angles = {one for one in numbers(report) if re.search("angle|slope|tilt|heading|yaw", one)}
     assert [one for one in angles if not re.search("_(deg|rad)(_s)?$", one)] == []
-
-
-# help and start-up
 
 
 @pytest.mark.parametrize("name", sorted(main.commands))

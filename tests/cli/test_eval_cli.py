@@ -107,9 +107,6 @@ def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(p
     assert [line.split()[1] for line in text.splitlines()[2:]] == ["rocks", *found]
 
 
-# loads
-
-
 def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show(place):
     braking = data("eval", place / "cart.toml", "-a", "-4.903325,0,0")
     assert braking == data("eval", place / "cart.toml", "-g", "0.5,0,-1")
@@ -141,9 +138,6 @@ def test_an_export_refuses_forces_and_a_picture_shows_them(place, tmp_path):
     assert "force" in (tmp_path / "robot.svg").read_text()
 
 
-# lutgen export
-
-
 def test_export_prints_codec_bytes_errors_guard_and_folder_of_the_channels_asked_for(place):
     text = (place / "printed").read_text()
     assert re.search(r"^feet: contacts, float arithmetic$", text, re.M)
@@ -154,9 +148,6 @@ def test_export_prints_codec_bytes_errors_guard_and_folder_of_the_channels_asked
         r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M
     )
     assert text.splitlines()[-1] == f"folder     {place / 'firmware'}"
-
-
-# eval
 
 
 def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):

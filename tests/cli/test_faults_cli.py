@@ -88,9 +88,6 @@ def test_a_full_disk_or_a_reader_that_has_gone_ends_with_a_status(arguments):
     assert (said.returncode, said.stderr) == (1, "")
 
 
-# messages
-
-
 def test_a_message_is_readable_and_a_line_is_one_line():
     plain = "r.toml: robot.größe is unknown (got 3);\n\tdid you mean 'name'"
     assert readable(plain) == plain
@@ -102,9 +99,6 @@ def test_a_message_is_readable_and_a_line_is_one_line():
     assert len(shown) < 2100
     assert shown.startswith("r.toml: robot.name is wrong")
     assert shown.endswith("'); write a name")
-
-
-# interruptions
 
 
 def interrupted(after, answer=signal.SIG_DFL):

@@ -68,14 +68,9 @@ WHEELS = "".join(f'[[robot.wheel]]\ncontact = "{name}"\n{AXLE}' for name in ("P1
 POSSIBLE = ("--velocity", "0.5,-0.1", "--yaw-rate", 57.29577951308232)
 
 
-@pytest.fixture
-def cart(tmp_path):
-    path = tmp_path / "cart.toml"
-    path.write_text(rigid(CART + WHEELS, name="cart"))
-    return path
-
-
-def test_a_wheel_in_the_air_has_no_speed_and_a_robot_that_tips_is_said_to(cart, caplog):
+def test_a_wheel_in_the_air_has_no_speed_and_a_robot_that_tips_is_said_to(tmp_path, caplog):
+    cart = tmp_path / "cart.toml"
+    cart.write_text(rigid(CART + WHEELS, name="cart"))
     report = data("wheels", cart, *POSSIBLE)
     first, second, lifted = report["wheels"]
     # (v -+ w b) / r = (0.5 -+ 0.25) / 0.1
@@ -98,9 +93,6 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground():
     exact = wheel_speeds(posture, (2.0, 1.0), math.radians(-30.0), (0.1, 0.0, -1.0))
     speeds = [wheel["speed_rad_s"] for wheel in report["wheels"]]
     assert speeds == pytest.approx([wheel.speed for wheel in exact.wheels])
-
-
-# stance
 
 
 @pytest.fixture

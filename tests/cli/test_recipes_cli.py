@@ -27,9 +27,6 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
 
 
-# new
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_recipe_to_start_from_stands_as_it_is_and_explains_its_tables(kind):
     assert data("new", kind, "-o", "robot.toml") == {"kind": kind, "recipe": "robot.toml"}
@@ -54,14 +51,8 @@ def test_a_recipe_to_start_from_stands_as_it_is_and_explains_its_tables(kind):
     assert lutgen.load_recipe("robot.toml").name == "rover"
 
 
-# schema
-
-
 def test_the_schema_is_printed_as_it_is():
     assert json.loads(stdout("schema")) == recipe_schema()
-
-
-# recipes
 
 
 def test_every_recipe_of_the_gallery_is_listed_with_what_it_is():
@@ -85,9 +76,6 @@ def test_one_recipe_is_printed_as_it_is_written(name):
     text = (MAPS / "absolem.toml").read_text(encoding="utf-8")
     assert stdout("recipes", name) == text
     assert data("recipes", name)["text"] == text
-
-
-# sweep and info
 
 
 def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(monkeypatch):
@@ -137,9 +125,6 @@ def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenan
         "facet": "1",
     }
     assert 0.0 < report["share_that_tips"] < 1.0
-
-
-# what is replaced
 
 
 def refused(name, *arguments):

@@ -94,9 +94,6 @@ def by_hand(two, points, **options):
     return drive(two, path, params0=np.radians([NOMINAL, NOMINAL]), **options)
 
 
-# What is printed
-
-
 def test_without_control_there_is_one_run_and_with_headings_there_are_four():
     report = data(RECIPE, *PAPER, "--points", 8, "--headings", 4)
     names = ["fixed shape", "turning", "changing shape", "changing shape and turning"]
@@ -114,9 +111,6 @@ def test_rates_are_in_degrees_per_second(two):
     reached = np.radians(list(report["runs"][1]["params"].values())).T
     np.testing.assert_allclose(reached, expected.params)
     assert (expected.params != expected.wanted).any()
-
-
-# What is written
 
 
 def test_the_csv_reads_back_as_the_same_numbers(two, tmp_path):

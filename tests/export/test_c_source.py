@@ -65,9 +65,6 @@ def build(folder, *flags, compiler="cc", sources=()):
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-# compilers
-
-
 @pytest.mark.parametrize(("compiler", "language"), BUILDS)
 def test_every_compiler_takes_every_file_and_every_family_without_a_warning(
     folders, compiler, language, tmp_path
@@ -116,9 +113,6 @@ def test_on_avr_everything_is_read_from_flash(folders, tmp_path, kind):
     assert "progmem" not in sizes["c99"]
 
 
-# look
-
-
 def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(folders):
     for folder in folders.values():
         for path in [*folder.glob("*.[ch]"), folder / "CMakeLists.txt"]:
@@ -157,15 +151,12 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def header_text(export):
-    return dict(texts(export, report(export)))[f"{export.name}.h"]
-
-
 def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path, monkeypatch):
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
     monkeypatch.setattr(Export, "body", replace(export.body, lengths=steps))
-    text = header_text(replace(export, channels=("sdg", "tip_angle", "height")))
+    export = replace(export, channels=("sdg", "tip_angle", "height"))
+    text = dict(texts(export, report(export)))["feet.h"]
     (tmp_path / "smap.h").write_text(runtime_file("smap.h"))
     (tmp_path / "feet.h").write_text(text)
     low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum
@@ -219,9 +210,6 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(folders, exports
         assert text.count("---- core:") == 1
         assert code_bytes(family_of(body.codec, export.integer)) > 1000
     assert "smap_run_step" in control_text("points")
-
-
-# names
 
 
 def test_a_name_that_c_cannot_have_is_refused():

@@ -87,11 +87,6 @@ def best(formula, flash, percent):
     return choose(Paper(), [formula], Goal(flash, percent))
 
 
-def best_grid(trials, flash, percent):
-    codecs = usable(trials.model, trials.arithmetic, "grid")
-    return choose(trials, codecs, Goal(flash, percent))
-
-
 def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
     for percent in (20.0, 5.0, 2.0, 1.0, 0.3):
         paper, formula = Paper(), Formula()
@@ -154,25 +149,21 @@ def robot_of(text):
     return Model(lutgen.parse_recipe(text))
 
 
-@pytest.fixture
-def wheels(monkeypatch):
+def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is_refused(
+    monkeypatch,
+):
+    # Four wheels, one of which lifts off.
     monkeypatch.setattr(chooser, "POINTS", 6_000)
-
-    def make(*channels, arithmetic="integer"):
-        return Trials(robot_of(rover()), "rover", channels, arithmetic)
-
+    bench = Trials(robot_of(rover()), "rover", ("sdg", "tip_angle"), "integer")
+    codecs = usable(bench.model, "integer", "grid")
     with few_points():
-        yield make
-
-
-def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is_refused(wheels):
-    bench = wheels("sdg", "tip_angle")
-    found = best_grid(bench, 6_000, 30.0)
-    assert len(bench.tried) == 1
-    assert 5_000 < found.total <= 6_000
-    assert Goal(6_000, 30.0).holds(found)
-    with pytest.raises(ExportError, match=r"6,000 bytes of flash and an error of 0.1 %.*nearest"):
-        best_grid(bench, 6_000, 0.1)
+        found = choose(bench, codecs, Goal(6_000, 30.0))
+        assert len(bench.tried) == 1
+        assert 5_000 < found.total <= 6_000
+        assert Goal(6_000, 30.0).holds(found)
+        said = r"6,000 bytes of flash and an error of 0.1 %.*nearest"
+        with pytest.raises(ExportError, match=said):
+            choose(bench, codecs, Goal(6_000, 0.1))
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):

@@ -38,9 +38,6 @@ def text_of(export, name):
     return re.sub(r"[ \n*]+", " ", dict(texts(export, report(export)))[name])
 
 
-# contents
-
-
 def test_the_folder_holds_these_files_and_its_report_lists_them(export, tmp_path):
     content = package.write(export, tmp_path / "out")
     assert set(contents(tmp_path / "out")) == NAMES
@@ -172,9 +169,6 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(make, 
     degrees = math.degrees(exact.tip_angle[0, 0] - float(export.tables.guard))
     assert float(values["tip_angle"][0]) == pytest.approx(degrees, abs=1.0)
     assert values["tip_angle"][1] == "deg"
-
-
-# replacing
 
 
 def test_the_export_of_another_robot_is_replaced_by_force_alone(export, tmp_path):

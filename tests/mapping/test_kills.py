@@ -206,9 +206,6 @@ def dies():
     raise Killed
 
 
-# Two sweeps at once, no locks, and no room.
-
-
 def test_a_second_sweep_to_the_same_file_is_refused_and_leaves_it(path):
     fcntl, part = pytest.importorskip("fcntl"), path.with_name("a.h5.part")
     with part.open("wb") as file:

@@ -162,13 +162,6 @@ def test_values_of_another_map_are_not_those_of_this_one(copy, tmp_path):
         verify(lutgen.load_map(copy))
 
 
-def edit(path, key, value):
-    with h5py.File(path, "r+") as file:
-        del file.attrs[key]
-        if value is not None:
-            file.attrs[key] = value
-
-
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
@@ -184,7 +177,10 @@ def edit(path, key, value):
     ],
 )
 def test_a_file_that_is_read_without_a_seal_must_be_a_map(copy, key, value, said):
-    edit(copy, key, value)
+    with h5py.File(copy, "r+") as file:
+        del file.attrs[key]
+        if value is not None:
+            file.attrs[key] = value
     assert re.search(said, refusal(copy, unsealed=True))
 
 

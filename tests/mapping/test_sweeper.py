@@ -17,7 +17,7 @@ from lutgen.mapping.compute import Computer
 from lutgen.mapping.head import BLOCK_NODES, plan
 from lutgen.quantities import CHANNELS
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid, rover, sweep_part, tripod
+from tests.fixtures.recipes import feet, parameter, rigid, rover, sweep_part, tripod
 
 ROBOTS = {
     "points on a cone": tripod(nodes=11),
@@ -205,18 +205,11 @@ def feet(q):
 """
 
 
-@pytest.fixture
-def by_code(tmp_path):
+def test_a_robot_given_by_code_is_asked_by_one_thread_and_its_map_runs_no_code(tmp_path, cut):
     (tmp_path / "asked_by.py").write_text(CODE)
     head = '[robot]\nname = "stool"\nlength_unit = "m"\npython = "asked_by:feet"\n'
-    parameter = '[[robot.parameter]]\nname = "x"\nmin = 0\nmax = 2\nunit = "m"\n'
-    text = head + parameter + sweep_part("x = 60")
-    return lutgen.parse_recipe(text, str(tmp_path / "stool.toml"), allow_python=True)
-
-
-def test_a_robot_given_by_code_is_asked_by_one_thread_and_its_map_runs_no_code(
-    by_code, tmp_path, cut
-):
+    text = head + parameter("x", 0, 2, "m") + sweep_part("x = 60")
+    by_code = lutgen.parse_recipe(text, str(tmp_path / "stool.toml"), allow_python=True)
     cut(BLOCK)
     with pytest.raises(InputError, match=r"given by code .*use the engine local"):
         lutgen.sweep(by_code, tmp_path / "a.h5", engine="dask")

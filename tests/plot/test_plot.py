@@ -42,14 +42,6 @@ def absolem():
 
 
 @pytest.fixture(scope="module")
-def two_map(two, tmp_path_factory):
-    text = two.text.replace("alpha = 50, gamma = 50", "alpha = 11, gamma = 6")
-    path = tmp_path_factory.mktemp("maps") / "two.h5"
-    lutgen.sweep(lutgen.parse_recipe(text.replace("nodes = 33", "nodes = 9")), path)
-    return lutgen.load_map(path)
-
-
-@pytest.fixture(scope="module")
 def contour(two):
     """Return the contours of |SD_g| where half of the postures tip over."""
     return plot.draw("contour", two, gravity=NOSE_UP, channel="sdg")
@@ -267,6 +259,9 @@ def test_wrong_option_is_refused_in_one_sentence(two, kind, options, fragment):
     refused(two, kind, fragment, **options)
 
 
-def test_options_that_the_map_cannot_answer_are_refused(two_map):
+def test_options_that_the_map_cannot_answer_are_refused(two, tmp_path):
+    text = two.text.replace("alpha = 50, gamma = 50", "alpha = 11, gamma = 6")
+    recipe = lutgen.parse_recipe(text.replace("nodes = 33", "nodes = 9"))
+    two_map = lutgen.sweep(recipe, tmp_path / "two.h5")
     refused(two_map, "contour", "recipe", channel="margin")
     refused(two_map, "contour", "recipe", gravity=(1.0, 0.0, -0.2))

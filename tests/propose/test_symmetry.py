@@ -75,12 +75,8 @@ def test_joints_in_a_row_of_one_name_are_not_coupled():
     assert not any({"left_bend", "right_bend"} & set(joints) for joints in found.values())
 
 
-def coupled():
-    return import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
-
-
 def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot():
-    recipe = coupled()
+    recipe = import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
     rng = np.random.default_rng(3)
     low, high = zip(*((p.minimum, p.maximum) for p in recipe.parameters), strict=True)
     found = forward(recipe, rng.uniform(low, high, (200, 3)))

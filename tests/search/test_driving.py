@@ -29,9 +29,6 @@ def at(run):
     return np.flatnonzero(run.tips).tolist()
 
 
-# The paper's simulation
-
-
 def test_without_control_the_robot_tips_over_at_72_of_100_points(two):
     run = drive(two, paper(), control=False, params0=NOMINAL)
     # The edge from P1 to P3 is 10 from the com, 30 deg off the heading; dz/dx by the power rule.
@@ -53,9 +50,6 @@ def test_right_ends_give_24_without_lag_23_and_in_the_attitude_of_the_ground_28(
     for options, tips in (({}, 24), ({"lag": 0}, 23), ({"convention": "body"}, 28)):
         run = drive(two, paper(), params0=NOMINAL, ends="right", **options)
         assert run.tips.sum() == tips
-
-
-# What a run is
 
 
 def test_a_run_is_the_verdict_of_the_attitudes_that_the_robot_takes(two):
@@ -98,9 +92,6 @@ def test_lag_shifts_what_control_does(two, lag):
     assert len(np.unique(at_once.turn)) > 1
 
 
-# Rates
-
-
 def test_a_limited_parameter_goes_there_as_fast_as_it_can(two):
     rates = {"alpha": math.radians(2.0)}
     start = np.radians([20.0, 20.0])
@@ -113,9 +104,6 @@ def test_a_limited_parameter_goes_there_as_fast_as_it_can(two):
     # What is reached is what is judged.
     assert run.channels["sdg"][0] > 0.1
     assert run.channels["sdg"][3] < 0.001
-
-
-# Turning
 
 
 def test_a_long_robot_turns_its_long_side_to_the_slope():
@@ -132,9 +120,6 @@ def test_a_long_robot_turns_its_long_side_to_the_slope():
     # Then the sides are nearest: their planes are inclined by atan(1/2) to the com's vertical.
     sine = math.cos(math.radians(30.0)) * math.sin(math.atan(0.5))
     np.testing.assert_allclose(run.channels["tip_angle"], math.asin(sine))
-
-
-# What is refused
 
 
 def test_what_makes_no_sense_is_refused(two):

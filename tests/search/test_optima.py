@@ -212,9 +212,6 @@ def test_a_parameter_with_equal_bounds_keeps_its_value(two, method):
     )
 
 
-# Global optima
-
-
 BOX = np.array([[-180.0, 180.0], [-180.0, 180.0]])
 
 
