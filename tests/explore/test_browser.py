@@ -21,8 +21,6 @@ PATIENCE = 60.0
 
 
 class Browser:
-    """Chromium with one page."""
-
     def __init__(self):
         from selenium import webdriver
 
@@ -33,27 +31,22 @@ class Browser:
         self.driver = webdriver.Chrome(options, webdriver.ChromeService("/usr/bin/chromedriver"))
 
     def open(self, page, state=""):
-        """Open a page and wait for its first picture."""
         self.driver.get("about:blank")  # another fragment alone would not load it again
         self.driver.get(page.as_uri() + state)
         self.until("globalThis.explorer?.disc.data")
 
     def until(self, expression):
-        """Wait until an expression of the page is true."""
         from selenium.webdriver.support.ui import WebDriverWait
 
         WebDriverWait(self.driver, PATIENCE, 0.05).until(lambda _: self.ask(expression))
 
     def ask(self, expression):
-        """Return the value of an expression."""
         return self.driver.execute_script(f"return {expression}")
 
     def press(self, key):
-        """Press a button that has a key."""
         self.driver.find_element("css selector", f"[data-key={key}]").click()
 
     def complaints(self):
-        """Return what stands in the console since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
 

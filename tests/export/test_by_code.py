@@ -11,13 +11,11 @@ from firmware_export.certify.certificate import certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import series_of
-from firmware_export.exporter import export
 from firmware_export.model import Model, rounds, widened
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
 from tests.fixtures.exports import host_of
-from tests.fixtures.fits import untried
 from tests.fixtures.linkage import COARSEST, coded
 
 OK = 0
@@ -103,13 +101,3 @@ def test_what_repeats_after_a_turn_wraps():
     status, reading = device(export_of("round_about")).read(turns, [[0.1, 0.05, -1.0]] * 3)
     assert status.tolist() == [OK] * 3
     np.testing.assert_allclose(reading, reading[:1].repeat(3, axis=0), atol=1e-5)
-
-
-def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path):
-    with untried():
-        report = export(coded("wheels"), tmp_path / "out", points=1000)
-    assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
-    assert report.table_bytes < 330
-    assert report["certificate"]["false_safe"] == 0
-    text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
-    assert "#define SMAP_SERIES 1" in text

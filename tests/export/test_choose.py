@@ -28,7 +28,6 @@ class Spec:
 
     @property
     def label(self):
-        """Short text."""
         return "x".join(map(str, self.nodes))
 
 
@@ -53,15 +52,13 @@ class Formula:
         return found
 
     def exact(self, model):
-        """Others are tried too."""
         return False
 
     def size(self, spec):
-        """Bytes of the tables."""
         return math.prod(spec.nodes)
 
     def error(self, spec):
-        """Percent."""
+        # Percent.
         return sum(w / (n - 1) ** 2 for w, n in zip(self.weights, spec.nodes, strict=True))
 
 
@@ -74,7 +71,6 @@ class Paper(Trials):
         self.model = SimpleNamespace(recipe=SimpleNamespace(source="paper.toml"))
 
     def try_out(self, codec, spec):
-        """Return the formula's candidate."""
         if (codec, spec) not in self.tried:
             size, error = codec.size(spec), {"sdg": codec.error(spec)}
             export = SimpleNamespace(codec=codec.name, tables=SimpleNamespace(spec=spec))

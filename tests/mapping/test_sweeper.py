@@ -41,7 +41,6 @@ class Stop:
         self.left = after
 
     def __call__(self, done, total):
-        """Count down."""
         self.left -= 1
         if self.left == 0:
             raise KeyboardInterrupt

@@ -79,7 +79,6 @@ class Facet:
     beyond: dict[int, Arc] = field(default_factory=dict)
 
     def edges(self):
-        """Return number, primitives and ends of each edge."""
         two = np.stack([self.corners, np.roll(self.corners, -1)], -1)
         return list(
             zip(range(len(two)), two, self.points, np.roll(self.points, -1, 0), strict=True)

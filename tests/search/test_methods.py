@@ -20,7 +20,6 @@ class Counted:
         self.rows = []
 
     def __call__(self, points):
-        """Return the costs."""
         self.rows.extend(points.copy())
         return self.function(points)
 
