@@ -7,10 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis import Posture, diagnose, tilted
 from lutgen.analysis.forces import load_corners, normal_forces
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import tilted
 from tests.fixtures.length import part
 from tests.fixtures.recipes import feet, rigid, rover
 

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.ground_tilt import ground_tilt
-from lutgen.analysis.posture import Posture
+from lutgen.analysis import Posture, ground_tilt, posture_limits
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted
-from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS

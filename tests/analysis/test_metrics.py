@@ -7,10 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.analysis import Posture, compare_metrics
-from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis import Posture, compare_metrics, diagnose, tilted
 from lutgen.analysis.metrics import METRICS, axis_force_angle, force_angle
-from lutgen.analysis.tilt import tilted
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from proofs.margins import MARGINS

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.friction import slide_limits
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.analysis import Posture, diagnose, slide_limits, tilt_limits, tilted
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS
 from tests.fixtures.pulled import moving

@@ -7,13 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis import FOUR, Posture, diagnose, even_headings, posture_limits, sweep_limits
 from lutgen.analysis.ground import gravity_transform, tangent_plane
-from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
-from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
-from lutgen.channels import body_gravity
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part

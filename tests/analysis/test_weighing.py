@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from firmware_export.contacts.closed import closed_form
-from lutgen.analysis import tilt_limits, tilted
-from lutgen.analysis.weighing import Tipping, Weighing, corrected, weigh
+from lutgen.analysis import Tipping, Weighing, corrected, tilt_limits, tilted, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
 from tests.fixtures.recipes import contact, sweep_part

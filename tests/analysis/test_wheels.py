@@ -8,9 +8,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.wheels import wheel_speeds
+from lutgen.analysis import Posture, diagnose, wheel_speeds
 from lutgen.errors import InputError
 from tests.fixtures.recipes import feet, rigid, tripod
 

@@ -9,8 +9,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.posture import Posture
+from lutgen.analysis import Posture, diagnose
 from lutgen.channels import body_gravity
 from lutgen.quantities import CHANNELS
 from tests.fixtures.pulled import BOX, FREE, LEVEL, WEIGHT, pull, robot

@@ -17,10 +17,9 @@ from lutgen.analysis import budgets, turn_speed
 from lutgen.channels import evaluate_each
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures import commands
-from tests.fixtures.documents import blocks
 from tests.fixtures.fits import untried
 from tests.fixtures.needs import ROS
-from tests.fixtures.places import MAPS
+from tests.fixtures.places import MAPS, blocks
 
 RECIPE = str(MAPS / "paper_two.toml")
 NOMINAL = ("-p", "alpha=30.96", "-p", "gamma=30.96")

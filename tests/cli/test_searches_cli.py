@@ -9,8 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from lutgen.search.driving import drive
-from lutgen.search.terrain import paper_path, turned
+from lutgen.search import drive, paper_path, turned
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod

@@ -9,7 +9,7 @@ import pytest
 
 import lutgen
 from tests.fixtures.commands import run, stdout
-from tests.fixtures.documents import blocks
+from tests.fixtures.places import blocks
 
 PAGE = "docs/guide/weigh.md"
 

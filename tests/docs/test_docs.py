@@ -16,10 +16,8 @@ from lutgen.channels import acceptance_of
 from lutgen.cli import main
 from lutgen.recipe import robot_size_of
 from tests.fixtures.commands import stdout
-from tests.fixtures.compiled import compile_c
-from tests.fixtures.documents import blocks
-from tests.fixtures.places import MAPS, ROOT
-from tests.fixtures.programs import run
+from tests.fixtures.compiled import compile_c, run
+from tests.fixtures.places import MAPS, ROOT, blocks
 from tests.fixtures.recipes import rocker
 from tools.recipe_page import SCHEMA, TABLES, TARGET, page
 

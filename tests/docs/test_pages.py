@@ -19,9 +19,8 @@ import pytest
 from firmware_export import control, exporter
 from firmware_export.control import maker
 from tests.fixtures.commands import run
-from tests.fixtures.documents import blocks, mixed
 from tests.fixtures.fits import untried
-from tests.fixtures.places import MAPS, ROOT, VECTORS
+from tests.fixtures.places import MAPS, ROOT, VECTORS, blocks, mixed
 
 # The program `lutgen` of this environment and these sources, for lines that need a shell.
 LUTGEN = f'lutgen() {{ "{sys.executable}" -m lutgen "$@"; }}\n'

@@ -10,21 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_export.emit import package
+from firmware_export.emit import code_bytes, package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
-from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size
-from tests.fixtures.compiled import STRICT, compile_c
+from tests.fixtures.compiled import STRICT, compile_c, run
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
-from tests.fixtures.programs import run
 from tests.fixtures.recipes import tripod
 
 C99 = ["-std=c99", "-ffp-contract=off"]

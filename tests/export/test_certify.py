@@ -9,8 +9,7 @@ from firmware_export.certify.answers import Reader, expected, span_of
 from firmware_export.certify.attack import sdg_error
 from firmware_export.certify.certificate import certify
 from firmware_export.certify.jumps import largest_jump
-from firmware_export.model.exact import Model
-from firmware_export.model.sample import biased, uniform
+from firmware_export.model import Model, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from tests.fixtures.recipes import feet, rigid, rover, tripod

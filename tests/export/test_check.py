@@ -10,12 +10,10 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.model import Model
 from firmware_export.protocol import Blob, describe
 from lutgen.recipe import parse_recipe
-from tests.fixtures.compiled import compile_c
-from tests.fixtures.exports import coded_export, rover_export, tripod_export
+from tests.fixtures.compiled import compile_c, run
+from tests.fixtures.exports import coded_export, noise, rover_export, tripod_export
 from tests.fixtures.length import part
-from tests.fixtures.noise import noise
 from tests.fixtures.places import MAPS
-from tests.fixtures.programs import run
 from tests.fixtures.recipes import rover, tripod
 
 OK, CORRUPT = 0, 5

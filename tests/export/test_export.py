@@ -12,9 +12,9 @@ import lutgen
 from firmware_export import choose, exporter
 from firmware_export.grid import lookup
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
+from tests.fixtures.compiled import contents
 from tests.fixtures.fits import few_points, untried
 from tests.fixtures.linkage import coded
-from tests.fixtures.programs import contents
 from tests.fixtures.recipes import contact, feet, rigid, steered, tripod
 
 ALL = ("sdg", "tip_angle", "height")

@@ -14,14 +14,13 @@ from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
 from firmware_export.grid.points import bounds, reach_of
 from firmware_export.host import Host, in_units
-from firmware_export.model import biased, least_edge_of, uniform
-from firmware_export.model.exact import Model
+from firmware_export.model import Model, biased, least_edge_of, uniform
 from firmware_export.protocol import describe
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
+from tests.fixtures.exports import noise
 from tests.fixtures.fits import few_points
-from tests.fixtures.noise import noise
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 OK, TIPS, OFF_CHART = 0, 2, 3

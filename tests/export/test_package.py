@@ -14,9 +14,9 @@ from firmware_export.emit import package, size
 from firmware_export.emit.facts import report
 from firmware_export.emit.render import texts
 from lutgen.errors import ExportError, InputError
+from tests.fixtures.compiled import contents, run
 from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.places import ROOT
-from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
 
 NAMES = {

@@ -9,10 +9,9 @@ import pytest
 from firmware_export.emit import check_name, package
 from firmware_export.emit.trial import try_out
 from lutgen.errors import ExportError
-from tests.fixtures.compiled import STRICT, compile_c
+from tests.fixtures.compiled import STRICT, compile_c, run
 from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.length import LONG
-from tests.fixtures.programs import run
 
 NAMES = ("one", "two", "three")
 # Levels and freedoms of the compiler.

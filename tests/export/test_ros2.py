@@ -7,10 +7,9 @@ import pytest
 
 from firmware_export.emit import package
 from firmware_export.protocol import Joint, Policy
-from tests.fixtures.compiled import compile_c
+from tests.fixtures.compiled import compile_c, run
 from tests.fixtures.exports import tripod_export
 from tests.fixtures.places import ROOT
-from tests.fixtures.programs import run
 
 STUB = ROOT / "tests/fixtures/rclcpp_stub.hpp"
 HEADERS = (

@@ -13,9 +13,7 @@ from PIL import Image
 
 import lutgen
 from lutgen import plot
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import tilt_limits, tilted
-from lutgen.analysis.tilt_table import posture_limits
+from lutgen.analysis import Posture, posture_limits, tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.quantities import RANKED
 from tests.fixtures.places import MAPS

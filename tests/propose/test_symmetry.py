@@ -4,8 +4,7 @@ import re
 
 import numpy as np
 
-from lutgen.propose import import_urdf
-from lutgen.propose.couplings import Coupling
+from lutgen.propose import Coupling, import_urdf
 from lutgen.recipe.kinematics import forward
 from lutgen.urdf.read import load_urdf, parse_urdf
 from lutgen.urdf.srdf import load_srdf

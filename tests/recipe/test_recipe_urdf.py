@@ -13,8 +13,7 @@ import pytest
 import lutgen
 from lutgen.errors import MapFileError, RecipeError
 from lutgen.propose.proposal import import_urdf
-from lutgen.recipe import recipe_digest
-from lutgen.recipe.kinematics import forward
+from lutgen.recipe import forward, recipe_digest
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.commands import data
 from tests.fixtures.places import VECTORS

@@ -12,8 +12,8 @@ from proofs.subjects import SUBJECTS
 from targets.cases import of_recipe, of_robot
 from tests.fixtures.compiled import FLAGS, HostLibrary
 from tests.fixtures.length import LONG, part
-from tests.fixtures.quadruped import quadruped
 from tests.fixtures.queries import integer_queries, random_queries
+from tests.fixtures.recipes import quadruped
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
 # Without optimisation: with it the checks take the compiler up to half a minute, and it may leave

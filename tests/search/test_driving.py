@@ -5,13 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from lutgen.channels import body_gravity
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
-from lutgen.search.driving import drive
-from lutgen.search.optima import optimum
-from lutgen.search.terrain import along, paper_path, turned
+from lutgen.search import along, drive, optimum, paper_path, turned
 from tests.fixtures.recipes import feet, rigid
 
 NOMINAL = [math.atan(0.6)] * 2

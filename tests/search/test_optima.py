@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels import acceptance_of
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.search.methods import multistart, refine
