@@ -30,7 +30,6 @@ def robot(points, wheels, unit="m"):
 
 
 def speeds(motion):
-    """Return the speeds of all wheels, which must all touch."""
     assert all(w.touches for w in motion.wheels)
     return [w.speed for w in motion.wheels]
 

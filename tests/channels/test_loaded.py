@@ -23,7 +23,6 @@ def read(recipe, gravity, *channels):
 
 
 def directions(rng, count):
-    """Return unit vectors that mostly point down."""
     g = rng.normal(size=(count, 3)) * [0.6, 0.6, 1.0]
     g[:, 2] = -np.abs(g[:, 2])
     return np.asarray(g / np.linalg.norm(g, axis=1)[:, None])

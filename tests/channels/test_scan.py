@@ -32,7 +32,6 @@ ALL = pytest.mark.parametrize("limits", LIMITS.values(), ids=LIMITS)
 
 
 def points(places):
-    """Return primitives (m, n, 8) of point contacts (m, n, 3)."""
     return pack(places, np.zeros_like(places), 0.0, 0)
 
 

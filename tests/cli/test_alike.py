@@ -106,7 +106,6 @@ ROWS = re.split(r"\n(?=\d)", ANSWERS.strip())
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """Return a folder with a recipe, its map under two names, and a file of every other kind."""
     folder = tmp_path_factory.mktemp("alike")
     text = tripod(channels=CHANNELS, max_tilt=60.0).replace("[sweep]", f"{WHEEL}[sweep]", 1)
     (folder / "r.toml").write_text(text)

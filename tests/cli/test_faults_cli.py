@@ -28,7 +28,6 @@ def folder(tmp_path, monkeypatch):
 
 
 def failing(monkeypatch, error):
-    """Let `lutgen check` end in an error that nobody foresaw."""
 
     def fail(*_, **__):
         raise error

@@ -20,7 +20,6 @@ OK, CORRUPT = 0, 5
 
 
 def trained():
-    """Return trained tables that mean nothing, of all faces."""
     return noise("trained", Model(parse_recipe(tripod(chart="sphere"))), (2, 2, 2, 3), ("sdg",))
 
 

@@ -94,7 +94,6 @@ def test_queries_of_another_shape_are_refused():
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Return a copy of the runtime's folder that is used instead of it."""
     place = shutil.copytree(reader.RUNTIME, tmp_path / "runtime")
     monkeypatch.setattr(reader, "RUNTIME", place)
     monkeypatch.setattr(reader, "load_library", reader.load_library.__wrapped__)

@@ -26,7 +26,6 @@ FOURTH = np.array([-0.8, 1.1, 0.7])
 
 
 def robot(seed):
-    """Return a tilted tripod, and gravity through its triangle."""
     rng = np.random.default_rng(seed)
     turn = rng.uniform(0.0, 2.0 * np.pi) + np.array([0.0, 2.0, 4.0]) + rng.uniform(-0.3, 0.3, 3)
     radius, below = rng.uniform(6.0, 14.0, 3), rng.uniform(-9.0, -6.0, 3)

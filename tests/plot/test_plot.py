@@ -46,7 +46,6 @@ def contour(two):
 
 
 def words(figure):
-    """Return all texts of a figure, its title first."""
     return "\n".join(text.get_text() for text in figure.findobj(mpl.text.Text))
 
 
