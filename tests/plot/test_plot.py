@@ -144,9 +144,10 @@ def test_a_figure_without_a_standing_posture_has_no_optimum(two, kind):
     # No posture of this robot stands with its nose straight up.
     if kind == "surface":
         assert title(plot.draw(kind, two, channel="sdg")).count(f"31{DEG}") == 2
-    figure = plot.draw(kind, two, gravity=(-1.0, 0.0, 0.0), channel="sdg")
-    assert title(figure) == f"Tips over in every posture, nose up by 90{DEG}"
-    assert "best" not in [one.get_label() for one in figure.axes[0].get_lines()]
+    for channel in ("sdg", "tip_angle"):
+        figure = plot.draw(kind, two, gravity=(-1.0, 0.0, 0.0), channel=channel)
+        assert title(figure) == f"Tips over in every posture, nose up by 90{DEG}"
+        assert "best" not in [one.get_label() for one in figure.axes[0].get_lines()]
 
 
 def test_a_disc_is_of_equal_areas_and_its_boundary_where_the_tip_angle_is_zero(two):
