@@ -23,6 +23,7 @@ FAULTS = [
     ("friction = 0.5", "friction = nan", "robot.friction`: must be finite (got nan); write for"),
     ("rock_angle = 20.0", "rock_angle = -1", "robot.rock_angle`: must be 0 or more (got -1);"),
     ("{ lift = 20.0 }", "{ left = 20.0 }", "robot.home.left`: is not a parameter of the robot"),
+    ("{ lift = 20.0 }", "{ lift = -10.1 }", "robot.home.lift`: lies outside the parameter's min"),
     ("{ lift = 20.0 }", "{ lift = 50.1 }", "robot.home.lift`: lies outside the parameter's min"),
     ("{ lift = 20.0 }", '{ lift = "up" }', "robot.home.lift`: must be a number (got 'up'); write"),
     ('name = "lift"\nmin', 'name = "a b"\nmin', "robot.parameter[1].name`: is not an"),
@@ -127,6 +128,9 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names():
     assert last == "bad.toml: and 40 more faults."
 
 
+MASSLESS = '[[robot.link]]\nname = "body"\nmass = 0\n'
+
+
 def weightless(kind, value):
     part = f'[[robot.{kind}]]\nname = "x"\nlink = "body"\nposition = [0, 0, 0]\n{value}\n'
     return rigid(feet(BOX) + part)
@@ -143,6 +147,11 @@ def weightless(kind, value):
         (f"{EVERYTHING}\n[sweep.x]", "sweep.x`: is not a known key (got {}); use one of: samples"),
         (EVERYTHING.replace("min = -10.0", f"min = {'1' * 4000}"), "robot.parameter[1].min`: is t"),
         (EVERYTHING.replace("min = -10.0", f"min = 0x{'f' * 9999}"), "robot.parameter[1].min`: is"),
+        (
+            re.sub("joint = .*", "", EVERYTHING),
+            "robot.parameter[1].name`: is used by no joint (got",
+        ),
+        (rigid(feet(BOX) + MASSLESS), "robot.link`: masses are given but all are zero (got 0.0)"),
         (FREE.replace("max = 50.0", "max = -9.999999999999999"), "sweep.samples.lift`: has nodes"),
         (
             CODED.replace("[sweep", "[[robot.contact]]\nlink = 'a'\n[sweep"),
