@@ -111,6 +111,7 @@ REFUSED = """
 2 | eval tripod.toml -p reach=1e300 | up to 1e12
 2 | eval tripod.toml -p reach=\u0661 | up to 1e12
 2 | eval tripod.h5 -g 0,0,0 | is no direction; write three numbers such as 0,0,-1
+2 | eval tripod.h5 -g 0,0,nan | is no direction
 2 | eval tripod.toml -a 1,2 | is no acceleration; write for example -2,0,0
 2 | eval tripod.toml -a 0,0,-9.80665 | free fall
 2 | eval firmware -p swnig=1 | no parameter 'swnig'
@@ -120,6 +121,7 @@ REFUSED = """
 2 | limits tripod.toml --best --headings 100000000 | beyond the limit of 36,000 headings
 2 | limits tripod.toml -o limits.gif | unknown kind of picture
 2 | limits tripod.toml -o missing/limits.png | cannot be written
+2 | metrics tripod.toml --tilt 181 | 181 is not in the range: at least 0 and at most 180
 2 | metrics tripod.toml --headings 1000000000 | is not in the range: at least 1 and at most 36,000
 2 | optimum two.toml --bounds alpha=20 | is no range; write for example alpha=20:40
 2 | optimum two.toml --bounds alpha=40:20 | must be below the upper one (got 40:20)
@@ -146,8 +148,10 @@ REFUSED = """
 2 | path two.toml --points 3 -o missing/run.csv | cannot be written
 2 | path two.toml --points 2 --animate missing/film.gif | cannot be written
 2 | path two.toml --points 2 --animate film.avi | unknown kind of film (got '.avi')
+2 | path two.toml --points 2 --animate film | unknown kind of film (got 'no suffix')
 2 | path fixed.toml | --no-control
 2 | budget two.toml --slope 30:0:5 | --slope: at most 200 slopes FROM:TO:STEP from 0 to 80 deg
+2 | budget two.toml --slope 0:30:0 | --slope
 2 | budget two.toml --over beta=0:1 | there is no parameter 'beta' (got --over beta=0:1)
 2 | budget two.toml --turn 0 | --turn': 0 is not in the range: above 0
 2 | budget two.toml --bump -1 | -1 is not in the range: at least 0
@@ -186,6 +190,7 @@ REFUSED = """
 2 | import rover.urdf -o a.toml --arg a=b | is for xacro
 2 | import -x rover.xacro -o a.toml --arg a | write NAME=VALUE
 2 | import -x rover.xacro -o a.toml --package a | write NAME=DIR
+2 | import -x rover.xacro -o a.toml --package =. | write NAME=DIR
 2 | import -x rover.xacro -o a.toml --package a=/nowhere | is in no folder that there is
 2 | import rover.urdf -o a.toml --srdf none.srdf | there is no such file
 2 | import rover.urdf -o a.toml -p lens_mount=1 | no such moving joint
