@@ -14,8 +14,8 @@ from firmware_export.protocol import Export
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.recipe.gallery import KINDS, start_recipe
+from tests.fixtures.exports import noise
 from tests.fixtures.frozen import exports
-from tests.fixtures.noise import noise
 from tests.fixtures.recipes import tripod
 
 ROOT = Path(__file__).resolve().parent.parent

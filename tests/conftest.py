@@ -1,6 +1,5 @@
 """Fixtures that several test files share, and what happens to tests that cannot run here."""
 
-from collections.abc import Callable, Generator
 from pathlib import Path
 
 import numba
@@ -9,10 +8,10 @@ from hypothesis import settings
 
 import lutgen
 from lutgen.mapping import plan, sweeper
-from lutgen.recipe import Recipe
+from lutgen.quantities import CHANNELS
 from tests.fixtures.needs import ABSENT, lacking
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from tests.fixtures.recipes import tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
@@ -20,13 +19,13 @@ settings.register_profile("lutgen", deadline=None, derandomize=True, max_example
 settings.load_profile("lutgen")
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Let each of several workers compute by one thread: more than cores wait for each other."""
     if hasattr(config, "workerinput"):
         numba.set_num_threads(1)
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Add the two options by which continuous integration runs every test exactly once."""
     group = parser.getgroup("tests that are skipped")
     group.addoption(
@@ -35,10 +34,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         type=Path,
         help="write the names of the tests that were skipped, one a line, to FILE",
     )
-    group.addoption("--nothing-skipped", action="store_true", help="a test that is skipped fails")
+    group.addoption("--nothing-skipped", action="store_true", help="fail if a test is skipped")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Skip the tests that need what is not here, and say what that is."""
     for item in items:
         names = [name for mark in item.iter_markers("needs") for name in mark.args]
@@ -47,65 +46,40 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.skip(reason=missing))
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Turn a skip into a failure where nothing may be skipped."""
-    report = yield
-    if report.skipped and item.config.getoption("nothing_skipped"):
-        report.outcome = "failed"
-    return report
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(
-    collector: pytest.Collector,
-) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-    """Turn the skip of a whole file into an error where nothing may be skipped."""
-    report = yield
-    if report.skipped and collector.config.getoption("nothing_skipped"):
-        report.outcome = "failed"
-    return report
-
-
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
-    """Write down what was skipped, without what cannot be installed."""
-    place = config.getoption("skipped_to")
-    if place is None:
+def pytest_sessionfinish(session):
+    """Write down what was skipped, without what cannot be installed; fail if nothing may be."""
+    config = session.config
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None:  # in a worker
         return
-    reports = terminalreporter.stats.get("skipped", [])
-    names = {
-        report.nodeid
-        for report in reports
-        if not any(reason in str(report.longrepr) for reason in ABSENT)
-    }
-    place.parent.mkdir(parents=True, exist_ok=True)
-    place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
+    skipped = reporter.stats.get("skipped", [])
+    if skipped and config.getoption("nothing_skipped"):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+    if place := config.getoption("skipped_to"):
+        absent = [one for one in skipped if any(why in str(one.longrepr) for why in ABSENT)]
+        names = {one.nodeid for one in skipped if one not in absent}
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
 
 
 @pytest.fixture
-def tripod_path(tmp_path: Path) -> Path:
-    """Return the path of a recipe of 4 x 3 postures, in a length and an angle."""
+def tripod_path(tmp_path):
     path = tmp_path / "tripod.toml"
     path.write_text(tripod())
     return path
 
 
 @pytest.fixture(scope="session")
-def two() -> Recipe:
-    """Return the paper's robot with two moving wheels."""
+def two():
     return lutgen.load_recipe(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="session")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def swept(tmp_path_factory):
     """Return a folder with three maps that no test changes."""
     folder = tmp_path_factory.mktemp("maps")
     for name, text in {
-        "cone": tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0),
+        "cone": tripod(channels=CHANNELS, nodes=9, max_tilt=60.0),
         "sphere": tripod(channels=("sdg", "tip_angle", "height"), chart="sphere", nodes=5),
         "alone": tripod(channels=("sdg",), nodes=9, max_tilt=60.0),
     }.items():
@@ -114,10 +88,10 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def cut(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+def cut(monkeypatch):
     """Return a function that sets how many nodes a block of a sweep may hold."""
 
-    def set_size(nodes: int) -> None:
+    def set_size(nodes):
         monkeypatch.setattr(sweeper, "plan", lambda recipe: plan(recipe, nodes))
 
     return set_size

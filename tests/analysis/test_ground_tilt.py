@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.ground_tilt import ground_tilt
-from lutgen.analysis.posture import Posture
+from lutgen.analysis import Posture, ground_tilt, posture_limits
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted
-from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
@@ -25,7 +23,6 @@ NAMES = pytest.mark.parametrize("name", ["bowls", "articulated", "marv"])
 
 
 def sledge(rock_angle, flat=FLAT, rises=RISES, bend=BEND):
-    """Return a sledge on eight points."""
     up = -HIGH + rises * math.tan(bend)
     points = [
         (x, y, z)

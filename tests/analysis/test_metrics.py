@@ -7,10 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.analysis import Posture, compare_metrics
-from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis import Posture, compare_metrics, diagnose, tilted
 from lutgen.analysis.metrics import METRICS, axis_force_angle, force_angle
-from lutgen.analysis.tilt import tilted
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from proofs.margins import MARGINS
@@ -22,13 +20,8 @@ from tests.fixtures.recipes import feet, rigid, without_limits
 TABLE = rigid(feet([(1, 0.6, -1), (-1, 0.6, -1), (-1, -0.6, -1), (1, -0.6, -1)]), name="table")
 
 
-@pytest.fixture(scope="module")
-def table():
-    """Return the table."""
-    return lutgen.parse_recipe(TABLE)
-
-
-def test_each_is_divided_by_its_value_on_level_ground(table):
+def test_each_is_divided_by_its_value_on_level_ground():
+    table = lutgen.parse_recipe(TABLE)
     found = compare_metrics(Posture(table, []), tilted(math.radians(20.0), [math.pi / 2.0]))
     level = math.atan(0.6)
     # To the left, across a level axis 0.6 away and 1 below.

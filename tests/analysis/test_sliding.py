@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.friction import slide_limits
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.analysis import Posture, diagnose, slide_limits, tilt_limits, tilted
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS
 from tests.fixtures.pulled import moving
@@ -66,9 +63,6 @@ def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces():
 def test_a_robot_without_support_slides_on_nothing():
     line = rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)]), head="friction = 0.5")
     assert np.isnan(slide_limits(Posture(lutgen.parse_recipe(line), []), [0.0])).all()
-
-
-# Figures
 
 
 def test_ground_slides_at_the_friction_angle_however_the_posture_leans_on_it():

@@ -7,13 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis import FOUR, Posture, diagnose, even_headings, posture_limits, sweep_limits
 from lutgen.analysis.ground import gravity_transform, tangent_plane
-from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
-from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
-from lutgen.channels import body_gravity
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
@@ -32,7 +29,6 @@ CONVENTIONS = ("body", "plane")
 
 
 def box(head="friction = 0.7", unit="m", scale=1.0):
-    """Return a rigid box on four feet."""
     corners = [[scale * x for x in corner] for corner in CORNERS]
     return parse_recipe(rigid(feet(corners), head=head, unit=unit))
 
@@ -107,7 +103,6 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it():
     one = lutgen.load_recipe(MAPS / "paper_one.toml")
     posture = np.array([0.75])
     facet = diagnose(Posture(one, posture), [0.0, 0.0, -1.0]).facet
-    assert facet is not None
     (frame,) = level_frames(one, posture[None], "plane")
     np.testing.assert_allclose(frame, gravity_transform(-facet.normal), atol=1e-12)
     heading = 0.4

@@ -1,4 +1,4 @@
-"""Feet on uneven ground: hand-worked scenes, an oracle that knows cones, and what never matters."""
+"""Feet on uneven ground: hand-worked scenes, an oracle of many rays, and what never matters."""
 
 import math
 import re
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 from lutgen.analysis import equilibrium
@@ -41,18 +42,12 @@ def same_set(a, b, tolerance):
 def faults(points, normals, mu, com, found):
     """Return by how much the forces miss the weight, its moment, or a cone."""
     forces = found.forces
-    assert forces is not None
     unit = normals / np.linalg.norm(normals, axis=1)[:, None]
     normal = np.einsum("ij,ij->i", forces, unit)
     along = np.linalg.norm(forces - normal[:, None] * unit, axis=1)
     moment = np.cross(points - com, forces).sum(axis=0)
-    return float(
-        max(
-            np.abs(forces.sum(axis=0) + DOWN).max(),
-            np.abs(moment).max(),
-            (along - mu * normal).max(),
-        )
-    )
+    apart = np.abs(forces.sum(axis=0) + DOWN)
+    return max(apart.max(), np.abs(moment).max(), (along - mu * normal).max())
 
 
 def test_in_a_ditch_the_com_lies_within_eight_tenths_of_its_half_width():
@@ -108,51 +103,31 @@ def test_on_flat_ground_polygon_and_slope_are_judged_as_on_one_plane():
     assert level.margin == pytest.approx(0.3, abs=EXACT)
     np.testing.assert_array_equal(level.axes, np.eye(3)[:2])
     even = equilibrium(SQUARE, FLAT, 0.5, [0.0, 0.0, 1.0])
-    assert even.forces is not None
     assert even.forces[:, 2] == pytest.approx([0.25] * 4, abs=1e-6)
     steep = equilibrium(SQUARE, np.tile([0.1, 0.0, 1.0], (4, 1)), 0.0, [0.0, 0.0, 1.0])
     assert (steep.holds, len(steep.region), steep.margin) == (False, 0, -math.inf)
 
 
-def nearest(points, normals, mu, com):
-    """Return forces (n, 3) in the cones, and the least wrench (6,) that is missing.
-
-    By projections onto the cones, accelerated (Beck and Teboulle, 2009): no pyramids, no
-    programmes.
-    """
+def missing(points, normals, mu, com):
+    """Return the length of the least wrench that is missing: by rays, 1000 of each cone."""
     unit = normals / np.linalg.norm(normals, axis=1)[:, None]
-    arms = points - com
-    rows = np.hstack([np.vstack([np.eye(3), np.cross(arm, np.eye(3)).T]) for arm in arms])
-    step = 1.0 / np.linalg.norm(rows, 2) ** 2
-    goal = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-    forces = ahead = np.zeros((len(points), 3))
-    pace = 1.0
-    for _ in range(3000):
-        moved = ahead - step * (rows.T @ (rows @ ahead.ravel() - goal)).reshape(-1, 3)
-        normal = np.einsum("ij,ij->i", moved, unit)
-        along = moved - normal[:, None] * unit
-        size = np.linalg.norm(along, axis=1)
-        height = np.maximum((normal + mu * size) / (1.0 + mu**2), 0.0)
-        share = mu * height / np.where(size > 0.0, size, 1.0)
-        onto = height[:, None] * unit + share[:, None] * along
-        projected = np.where((size <= mu * normal)[:, None], moved, onto)
-        quicker = (1.0 + math.sqrt(1.0 + 4.0 * pace**2)) / 2.0
-        ahead = projected + (pace - 1.0) / quicker * (projected - forces)
-        forces, pace = projected, quicker
-        if np.linalg.norm(goal - rows @ forces.ravel()) < 1e-6:
-            break
-    return forces, goal - rows @ forces.ravel()
+    turns = np.linspace(0.0, 2.0 * math.pi, 1000, endpoint=False)
+    rays = []
+    for point, normal, rough in zip(points, unit, mu, strict=True):
+        across = np.linalg.svd(normal[None])[2][1:]
+        fan = normal + rough * np.stack([np.cos(turns), np.sin(turns)], axis=1) @ across
+        rays.append(np.hstack([fan, np.cross(point - com, fan)]))
+    return nnls(np.vstack(rays).T, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0])[1]
 
 
-def test_an_oracle_of_round_cones_agrees_where_it_can_tell():
+def test_forces_along_rays_of_the_cones_agree_where_they_can_tell():
     told = {True: 0, False: 0}
     undecided = 0
     for seed in range(part(30)):
         points, normals, mu, com = scene(seed, 2 + seed % 4 + (seed > 3))
-        _, missing = nearest(points, normals, mu, com)
-        gap = float(np.linalg.norm(missing))
+        gap = missing(points, normals, mu, com)
         if 1e-5 < gap < 1e-2:
-            # The stated band: iterations that still get closer prove neither.
+            # A polygon of rays is 5e-6 narrower than its cone, lutgen's pyramid 7.5e-5 wider.
             undecided += 1
             continue
         expected = gap <= 1e-5

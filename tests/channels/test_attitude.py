@@ -8,8 +8,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.channels import body_gravity
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod

@@ -21,7 +21,6 @@ WAY = np.linspace(0.0, 1.0, 401)[:, None]
 
 
 def energy(contacts, g, *limits):
-    """Return the energy margin (g,) of point contacts."""
     return lutgen.stability(contacts, g, ("energy_margin",), *limits)["energy_margin"][0]
 
 

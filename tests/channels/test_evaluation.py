@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.posture import Posture
-from lutgen.channels import evaluate_each
-from lutgen.channels.scan import Scanner
+from lutgen.analysis import Posture, diagnose
+from lutgen.channels import Scanner, evaluate_each
 from lutgen.errors import InputError, RecipeError
 from lutgen.mapping.compute import require_standing
 from lutgen.quantities import CHANNELS

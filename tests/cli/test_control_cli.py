@@ -17,10 +17,9 @@ from lutgen.analysis import budgets, turn_speed
 from lutgen.channels import evaluate_each
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures import commands
-from tests.fixtures.documents import blocks
 from tests.fixtures.fits import untried
 from tests.fixtures.needs import ROS
-from tests.fixtures.places import MAPS
+from tests.fixtures.places import MAPS, blocks
 
 RECIPE = str(MAPS / "paper_two.toml")
 NOMINAL = ("-p", "alpha=30.96", "-p", "gamma=30.96")
@@ -48,7 +47,6 @@ def firmware(tmp_path_factory):
 
 
 def ridden(firmware, *more):
-    """Return the report of the paper's path."""
     return control(firmware, "--turn", 30, *NOMINAL, *more)
 
 

@@ -10,9 +10,10 @@ import pytest
 import lutgen
 from firmware_export import exporter
 from firmware_export.emit import package
+from lutgen.quantities import CHANNELS
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.exports import tripod_export
-from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod
+from tests.fixtures.recipes import feet, rigid, rocker, tripod
 
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
 # Nose down by so much `rocker` rocks, stands on its front wheels, and tips over them.
@@ -25,7 +26,7 @@ PULL += "force = [49.03325, 0, 0]\n"
 
 
 # Few points, and one codec: how exact and how small an export is, other tests ask.
-QUICK = ("--codec", "contacts", "--max-error", "1%", "--channels", "sdg")
+QUICK = ("--codec", "contacts", "--max-error", "1%", "--channels", "sdg", "--name", "feet")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -43,8 +44,8 @@ def place(few_points, tmp_path_factory):
     """
     folder = tmp_path_factory.mktemp("eval")
     for name, text in {
-        "tripod": tripod(channels=ALL_CHANNELS, max_tilt=60.0),
-        "rocker": rocker(channels=ALL_CHANNELS, nodes=33, max_tilt=60.0),
+        "tripod": tripod(channels=CHANNELS, max_tilt=60.0),
+        "rocker": rocker(channels=CHANNELS, nodes=33, max_tilt=60.0),
         "alone": rocker(channels=("status",), nodes=33, max_tilt=60.0),
     }.items():
         (folder / f"{name}.toml").write_text(text)
@@ -106,9 +107,6 @@ def test_metrics_tell_headings_in_which_it_rocks_from_those_in_which_it_stands(p
     assert [line.split()[1] for line in text.splitlines()[2:]] == ["rocks", *found]
 
 
-# loads
-
-
 def test_an_acceleration_is_read_as_the_gravity_that_an_accelerometer_would_show(place):
     braking = data("eval", place / "cart.toml", "-a", "-4.903325,0,0")
     assert braking == data("eval", place / "cart.toml", "-g", "0.5,0,-1")
@@ -140,12 +138,9 @@ def test_an_export_refuses_forces_and_a_picture_shows_them(place, tmp_path):
     assert "force" in (tmp_path / "robot.svg").read_text()
 
 
-# lutgen export
-
-
-def test_export_prints_codec_bytes_errors_guard_and_folder(place):
+def test_export_prints_codec_bytes_errors_guard_and_folder_of_the_channels_asked_for(place):
     text = (place / "printed").read_text()
-    assert re.search(r"^tripod: contacts, float arithmetic$", text, re.M)
+    assert re.search(r"^feet: contacts, float arithmetic$", text, re.M)
     assert re.search(r"^flash +at most [\d,]+ bytes, the largest .* of code$", text, re.M)
     assert re.search(r"^sdg +largest error \S+ m \([\d.e-]+ %\), p99 \S+ m", text, re.M)
     assert re.search(r"^tip_angle +largest error \S+ deg", text, re.M)
@@ -155,17 +150,6 @@ def test_export_prints_codec_bytes_errors_guard_and_folder(place):
     assert text.splitlines()[-1] == f"folder     {place / 'firmware'}"
 
 
-def test_channels_and_name_are_those_asked_for(place, tmp_path):
-    out = tmp_path / "out"
-    options = (*QUICK[:4], "--channels", "tip_angle", "--name", "feet")
-    report = data("export", place / "tripod.h5", "-o", out, *options)
-    assert list(report["channels"]) == ["tip_angle"]
-    assert (out / "feet.h").is_file()
-
-
-# eval
-
-
 def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):
     compiled = data("eval", place / "firmware", *POINT, "-g", "0.1,0.05,-1")
     exact = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
@@ -173,7 +157,7 @@ def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):
     assert compiled["status"] == "SMAP_OK"
     assert compiled["standing"] is exact["standing"] is True
     assert compiled["robot"] == exact["robot"]
-    report = json.loads((place / "firmware" / "tripod_report.json").read_text())
+    report = json.loads((place / "firmware" / "feet_report.json").read_text())
     largest = report["channels"]["sdg"]["error"]["max"]
     assert compiled["sdg"] == pytest.approx(exact["sdg"], abs=largest)
     largest = math.degrees(report["channels"]["tip_angle"]["error"]["max"])

@@ -8,7 +8,6 @@ import time
 from functools import partial
 from pathlib import Path
 
-import click
 import pytest
 from click.testing import CliRunner
 
@@ -23,14 +22,12 @@ from tests.fixtures.recipes import tripod
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Return a folder with a recipe, made the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
     return tmp_path
 
 
 def failing(monkeypatch, error):
-    """Let `lutgen check` end in an error that nobody foresaw."""
 
     def fail(*_, **__):
         raise error
@@ -90,15 +87,6 @@ def test_a_full_disk_or_a_reader_that_has_gone_ends_with_a_status(arguments):
     assert (said.returncode, said.stderr) == (1, "")
 
 
-def test_nothing_of_click_is_a_fault_of_lutgen():
-    assert issubclass(click.exceptions.Exit, RuntimeError)
-    assert run("check", "--no-such-option").exit_code == 2
-    assert run("--version").exit_code == 0
-
-
-# messages
-
-
 def test_a_message_is_readable_and_a_line_is_one_line():
     plain = "r.toml: robot.größe is unknown (got 3);\n\tdid you mean 'name'"
     assert readable(plain) == plain
@@ -110,9 +98,6 @@ def test_a_message_is_readable_and_a_line_is_one_line():
     assert len(shown) < 2100
     assert shown.startswith("r.toml: robot.name is wrong")
     assert shown.endswith("'); write a name")
-
-
-# interruptions
 
 
 def interrupted(after, answer=signal.SIG_DFL):

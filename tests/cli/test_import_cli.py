@@ -22,7 +22,6 @@ ROVER = VECTORS / "rover.urdf"
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Make a folder with the rover's and the quadruped's description the working folder."""
     shutil.copy(ROVER, tmp_path / "robot.urdf")
     for name in ("quadruped.urdf", "quadruped.srdf"):
         shutil.copy(VECTORS / name, tmp_path / name)

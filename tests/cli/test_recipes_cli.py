@@ -11,10 +11,11 @@ import pytest
 import lutgen
 from lutgen.files import is_ours
 from lutgen.mapping.compute import Computer
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import recipe_schema, start_recipes
 from tests.fixtures.commands import data, good, run, stdout
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from tests.fixtures.recipes import tripod
 
 KINDS = list(start_recipes())
 MINE = b"my thesis"
@@ -22,12 +23,8 @@ MINE = b"my thesis"
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Make a folder with a recipe the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.toml").write_text(tripod("reach = 2, swing = 2", nodes=3))
-
-
-# new
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -54,14 +51,8 @@ def test_a_recipe_to_start_from_stands_as_it_is_and_explains_its_tables(kind):
     assert lutgen.load_recipe("robot.toml").name == "rover"
 
 
-# schema
-
-
 def test_the_schema_is_printed_as_it_is():
     assert json.loads(stdout("schema")) == recipe_schema()
-
-
-# recipes
 
 
 def test_every_recipe_of_the_gallery_is_listed_with_what_it_is():
@@ -87,9 +78,6 @@ def test_one_recipe_is_printed_as_it_is_written(name):
     assert data("recipes", name)["text"] == text
 
 
-# sweep and info
-
-
 def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(monkeypatch):
     result = good("sweep", "r.toml", "-o", "a.h5", "--threads", 1)
     assert (result.stdout, "a.h5" in result.stderr) == ("", True)
@@ -108,7 +96,7 @@ def test_a_sweep_prints_nothing_on_stdout_and_goes_on_after_an_interruption(monk
 
 
 def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenance():
-    Path("tripod.toml").write_text(tripod(channels=ALL_CHANNELS, max_tilt=60.0))
+    Path("tripod.toml").write_text(tripod(channels=CHANNELS, max_tilt=60.0))
     foreseen = data("check", "tripod.toml")
     assert foreseen["nodes"] == 4 * 3 * 7 * 7
     # Seven channels of float32 and one of bytes; the rest of the file is some 50 kB of names.
@@ -121,7 +109,7 @@ def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenan
     stability_map = lutgen.load_map("tripod.h5")
     assert (report["verified"], report["robot"], report["definition"]) == (True, "tripod", 3)
     channels = {entry["name"]: entry for entry in report["channels"]}
-    assert list(channels) == list(ALL_CHANNELS)
+    assert list(channels) == list(CHANNELS)
     words = channels.pop("status")
     assert (words["min"], words["max"], words["unit"]) == ("stands", "tips", "")
     for name, entry in channels.items():
@@ -137,9 +125,6 @@ def test_check_foresees_the_size_of_a_map_and_info_tells_its_ranges_and_provenan
         "facet": "1",
     }
     assert 0.0 < report["share_that_tips"] < 1.0
-
-
-# what is replaced
 
 
 def refused(name, *arguments):

@@ -9,8 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from lutgen.search.driving import drive
-from lutgen.search.terrain import paper_path, turned
+from lutgen.search import drive, paper_path, turned
 from tests.fixtures import commands
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod
@@ -94,9 +93,6 @@ def by_hand(two, points, **options):
     return drive(two, path, params0=np.radians([NOMINAL, NOMINAL]), **options)
 
 
-# What is printed
-
-
 def test_without_control_there_is_one_run_and_with_headings_there_are_four():
     report = data(RECIPE, *PAPER, "--points", 8, "--headings", 4)
     names = ["fixed shape", "turning", "changing shape", "changing shape and turning"]
@@ -114,9 +110,6 @@ def test_rates_are_in_degrees_per_second(two):
     reached = np.radians(list(report["runs"][1]["params"].values())).T
     np.testing.assert_allclose(reached, expected.params)
     assert (expected.params != expected.wanted).any()
-
-
-# What is written
 
 
 def test_the_csv_reads_back_as_the_same_numbers(two, tmp_path):

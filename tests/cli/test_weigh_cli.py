@@ -9,14 +9,13 @@ import pytest
 
 import lutgen
 from tests.fixtures.commands import run, stdout
-from tests.fixtures.documents import blocks
+from tests.fixtures.places import blocks
 
 PAGE = "docs/guide/weigh.md"
 
 
 @pytest.fixture
 def rover(tmp_path, monkeypatch):
-    """Make a folder with the rover and the weighings of the page the working folder."""
     monkeypatch.chdir(tmp_path)
     stdout("new", "wheels", "-o", "rover.toml")
     Path("scales.csv").write_text(*blocks(PAGE, "csv"))

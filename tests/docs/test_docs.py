@@ -1,5 +1,6 @@
 """What the README and the documents show is run here, and what they list is compared."""
 
+import pkgutil
 import re
 import shutil
 import tomllib
@@ -15,13 +16,13 @@ from firmware_export import exporter
 from lutgen.channels import acceptance_of
 from lutgen.cli import main
 from lutgen.recipe import robot_size_of
+from tests.cli.test_alike import VERDICTS
 from tests.fixtures.commands import stdout
-from tests.fixtures.compiled import compile_c
-from tests.fixtures.documents import blocks
-from tests.fixtures.places import MAPS, ROOT
-from tests.fixtures.programs import run
+from tests.fixtures.compiled import compile_c, run
+from tests.fixtures.places import DOCUMENTS, MAPS, ROOT, SOURCES, blocks
 from tests.fixtures.recipes import rocker
-from tools.recipe_page import SCHEMA, TABLES, TARGET, page
+from tools.recipe_page import SCHEMA, TABLES, TARGET
+from tools.recipe_page import page as rewritten
 
 PAPER = "docs/guide/paper.md"
 RECIPES = TARGET.read_text(encoding="utf-8")
@@ -29,7 +30,6 @@ RECIPES = TARGET.read_text(encoding="utf-8")
 
 @pytest.fixture
 def clone(tmp_path, monkeypatch):
-    """Return a folder with the recipes in it, made the working folder."""
     shutil.copytree(MAPS, tmp_path / "maps")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -52,7 +52,6 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
     counts = tuple(re.findall(r"tips over at (\d+)", printed["path"]))
     page = (ROOT / PAPER).read_text(encoding="utf-8")
     said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", page, re.DOTALL)
-    assert said is not None
     assert counts == said.groups()
     assert len(printed) == 3
 
@@ -152,7 +151,6 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
     assert "- name: The lutgen developers" in citation
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     newest = re.search(r"^## (.*\d)$", changes, re.MULTILINE)  # not one that is unreleased
-    assert newest is not None
     assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"
 
 
@@ -160,10 +158,10 @@ def test_the_page_has_every_table_of_a_recipe_once_as_the_script_writes_it():
     marked = re.findall(r"^<!-- keys of (\S+) -->$", RECIPES, re.MULTILINE)
     # The row of `drive` says which keys its joints may have.
     assert sorted([*marked, "Step"]) == sorted(TABLES)
-    assert page(RECIPES) == RECIPES
+    assert rewritten(RECIPES) == RECIPES
     changed = RECIPES.replace("| `80.0` |", "| `90.0` |")
     assert changed != RECIPES
-    assert page(changed) == RECIPES
+    assert rewritten(changed) == RECIPES
 
 
 @pytest.mark.parametrize("name", ["rest_width", "contact_tolerance"])
@@ -176,3 +174,92 @@ def test_the_defaults_that_are_shares_of_the_size_are_those_that_a_recipe_gets(n
     assert size == pytest.approx(0.43**0.5 + 0.1)
     wanted = float(share) / (100 if percent else 1) * size
     assert getattr(acceptance_of(recipe), name) == pytest.approx(wanted)
+
+
+# `search/driving` is a source, too.
+ENDS = ("", ".py")
+NAME = re.compile(r"(?<![\w/.-])((?:lutgen|firmware_export)(?:\.[a-zA-Z_]\w*)+)")
+# A name that ends like this is that of a file.
+FILES = {"c", "csv", "gif", "h", "h5", "json", "md", "png", "svg", "toml", "urdf"}
+
+
+def prose(page):
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
+def test_links_lead_to_files_and_every_page_can_be_reached_from_the_readme():
+    seen, waiting, missing = set(), [ROOT / "README.md"], []
+    while waiting:
+        page = waiting.pop()
+        seen.add(page)
+        for target in re.findall(r"\]\(([^)#\s]+)", re.sub(r"`[^`\n]*`", "", prose(page))):
+            end = (page.parent / target).resolve()
+            if "://" not in target and not end.exists():
+                missing.append(f"{page.name}: {target}")
+            elif end.suffix == ".md" and end not in seen:
+                waiting.append(end)
+    assert missing == []
+    assert set(DOCUMENTS) - seen == set()
+
+
+def test_every_source_that_a_document_names_with_its_folder_is_there():
+    missing = []
+    for page in DOCUMENTS:
+        for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]*(?:\.(?:py|[ch]))?)`", prose(page)):
+            # In full, or from a package on, as in `search/driving`.
+            folders = [ROOT / folder for folder in ("", "lutgen", "firmware_export")]
+            known = any((folder / name.split("/")[0]).is_dir() for folder in folders)
+            there = any((folder / f"{name}{end}").exists() for folder in folders for end in ENDS)
+            if known and not there and not name.startswith("build/"):
+                missing.append(f"{page.name}: {name}")
+    assert missing == []
+
+
+@pytest.mark.parametrize("pages", [DOCUMENTS, SOURCES], ids=["documents", "sources"])
+def test_every_dotted_name_and_every_file_of_the_runtime_is_there(pages):
+    gone, runtime = [], ROOT / "firmware_export" / "runtime"
+    # The changelog says what names were before.
+    for page in (page for page in pages if page.name != "CHANGELOG.md"):
+        text = page.read_text(encoding="utf-8")
+        parts = re.findall(r"\bruntime/(\w+\.[ch])\b", text)
+        gone += [f"{page.name}: {part}" for part in parts if not (runtime / part).exists()]
+        for name in NAME.findall(text):
+            if name.rpartition(".")[2] not in FILES:
+                try:
+                    pkgutil.resolve_name(name)
+                except (ImportError, AttributeError):
+                    gone.append(f"{page.name}: {name}")
+    assert gone == []
+
+
+COMMANDS = (ROOT / "docs/guide/commands.md").read_text(encoding="utf-8")
+# Shells of the table, and the line that it gives each.
+LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", COMMANDS, re.MULTILINE))
+
+
+def test_the_table_of_verdicts_names_the_commands_that_have_one():
+    listed = re.findall(r"^\| `(\w+)` \|", COMMANDS, re.MULTILINE)
+    assert listed == sorted(VERDICTS)
+    # What the help of a command says of its own exit code.
+    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}
+    assert says == set(listed)
+
+
+def completions(words, incomplete):
+    """Return what lutgen answers the function of bash, which asks through the environment."""
+    asked = {
+        "_LUTGEN_COMPLETE": "bash_complete",
+        "COMP_WORDS": f"{words} {incomplete}",
+        "COMP_CWORD": str(len(words.split())),
+    }
+    lines = CliRunner().invoke(main, [], prog_name="lutgen", env=asked).stdout.splitlines()
+    return [line.split(",", 1)[1] for line in lines]
+
+
+def test_commands_options_kinds_and_recipes_are_completed():
+    assert completions("lutgen", "lim") == ["limits"]
+    assert completions("lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
+    assert completions("lutgen recipes", "ab") == ["absolem"]
+    assert "--json" in completions("lutgen sweep", "--")
+    assert {f"_LUTGEN_COMPLETE={shell}_source" in line for shell, line in LINES.items()} == {True}
+    assert len(LINES) == 3

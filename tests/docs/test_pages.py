@@ -19,9 +19,8 @@ import pytest
 from firmware_export import control, exporter
 from firmware_export.control import maker
 from tests.fixtures.commands import run
-from tests.fixtures.documents import blocks, mixed
 from tests.fixtures.fits import untried
-from tests.fixtures.places import MAPS, ROOT, VECTORS
+from tests.fixtures.places import MAPS, ROOT, VECTORS, blocks, mixed
 
 # The program `lutgen` of this environment and these sources, for lines that need a shell.
 LUTGEN = f'lutgen() {{ "{sys.executable}" -m lutgen "$@"; }}\n'
@@ -72,7 +71,6 @@ PAGES |= {
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Return a folder with the gallery and robot descriptions, made the working folder."""
     (tmp_path / "maps").symlink_to(MAPS)
     for name in ("quadruped.urdf", "quadruped.srdf"):
         shutil.copy(VECTORS / name, tmp_path)
@@ -181,11 +179,3 @@ def test_a_notebook_runs_and_is_kept_without_outputs(name):
     text = "\n".join("".join(cell["source"]) for cell in codes)
     exec(compile(re.sub("^%.*", "", text, flags=re.MULTILINE), name, "exec"), {})
     plt.close("all")
-
-
-def test_a_line_that_was_not_printed_is_found():
-    said = "one 1.25 m\ntwo\nthree\n"
-    assert missing("...\nthree\n", said) == []
-    assert missing("one 1.2* m\n...\nthree\n", said) == []
-    assert missing("three\ntwo\n", said) == ["two"]
-    assert missing("one 1.3 m\n", said) == ["one 1.3 m"]

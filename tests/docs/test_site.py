@@ -46,7 +46,6 @@ def site(built):
 
 @cache
 def known(site):
-    """Return everything that the site documents, by role and name."""
     from sphinx.util.inventory import InventoryFile
 
     with (site / "objects.inv").open("rb") as file:

@@ -2,8 +2,6 @@
 
 import json
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,41 +21,32 @@ PATIENCE = 60.0
 
 
 class Browser:
-    """Chromium with one page."""
-
-    def __init__(self) -> None:
+    def __init__(self):
         from selenium import webdriver
 
         options = webdriver.ChromeOptions()
         for flag in FLAGS:
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver: Any = webdriver.Chrome(
-            options, webdriver.ChromeService("/usr/bin/chromedriver")
-        )
+        self.driver = webdriver.Chrome(options, webdriver.ChromeService("/usr/bin/chromedriver"))
 
-    def open(self, page: Path, state: str = "") -> None:
-        """Open a page and wait for its first picture."""
+    def open(self, page, state=""):
         self.driver.get("about:blank")  # another fragment alone would not load it again
         self.driver.get(page.as_uri() + state)
         self.until("globalThis.explorer?.disc.data")
 
-    def until(self, expression: str) -> None:
-        """Wait until an expression of the page is true."""
+    def until(self, expression):
         from selenium.webdriver.support.ui import WebDriverWait
 
         WebDriverWait(self.driver, PATIENCE, 0.05).until(lambda _: self.ask(expression))
 
-    def ask(self, expression: str) -> Any:
-        """Return the value of an expression."""
+    def ask(self, expression):
         return self.driver.execute_script(f"return {expression}")
 
-    def press(self, key: str) -> None:
-        """Press a button that has a key."""
+    def press(self, key):
         self.driver.find_element("css selector", f"[data-key={key}]").click()
 
-    def complaints(self) -> list[str]:
-        """Return what stands in the console since the last call."""
+    def complaints(self):
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
 

@@ -27,8 +27,7 @@ from tests.fixtures.many_library import (
     random_directions,
 )
 from tests.fixtures.places import MAPS
-from tests.fixtures.quadruped import quadruped
-from tests.fixtures.recipes import rover, steered, tripod
+from tests.fixtures.recipes import quadruped, rover, steered, tripod
 
 MANY = ("absolem", "marv", "excavator", "articulated", "quadruped", "tractor")
 TEXTS = {"rover": rover(), "steered": steered(), "tripod": tripod()}

@@ -10,14 +10,12 @@ from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts.series import Series, series_of
-from firmware_export.exporter import export
+from firmware_export.contacts.series import series_of
 from firmware_export.model import Model, rounds, widened
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
 from tests.fixtures.exports import host_of
-from tests.fixtures.fits import untried
 from tests.fixtures.linkage import COARSEST, coded
 
 OK = 0
@@ -63,7 +61,6 @@ def test_the_worst_points_of_the_truth_find_no_false_safe(name):
 
 def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():
     terms = export_of("stops").tables.terms
-    assert isinstance(terms, Series)
     assert [len(one) for one in terms.knots] == [3, 2]
     assert terms.knots[0][1] == pytest.approx(0.37, abs=1e-6)
     # Without the cut next to a kink: five times the bytes and more.
@@ -104,13 +101,3 @@ def test_what_repeats_after_a_turn_wraps():
     status, reading = device(export_of("round_about")).read(turns, [[0.1, 0.05, -1.0]] * 3)
     assert status.tolist() == [OK] * 3
     np.testing.assert_allclose(reading, reading[:1].repeat(3, axis=0), atol=1e-5)
-
-
-def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path):
-    with untried():
-        report = export(coded("wheels"), tmp_path / "out", points=1000)
-    assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
-    assert report.table_bytes < 330
-    assert report["certificate"]["false_safe"] == 0
-    text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
-    assert "#define SMAP_SERIES 1" in text

@@ -10,21 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_export.emit import package
+from firmware_export.emit import code_bytes, package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
-from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size
-from tests.fixtures.compiled import STRICT, compile_c
+from tests.fixtures.compiled import STRICT, compile_c, run
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
-from tests.fixtures.programs import run
 from tests.fixtures.recipes import tripod
 
 C99 = ["-std=c99", "-ffp-contract=off"]
@@ -60,13 +58,9 @@ def folders(exports, tmp_path_factory):
 
 
 def build(folder, *flags, compiler="cc", sources=()):
-    """Compile the C files of a folder without linking."""
     names = sources or tuple(sorted(path.name for path in folder.glob("*.c")))
     command = [compiler, *flags, "-fsyntax-only", *names]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-
-# compilers
 
 
 @pytest.mark.parametrize(("compiler", "language"), BUILDS)
@@ -117,9 +111,6 @@ def test_on_avr_everything_is_read_from_flash(folders, tmp_path, kind):
     assert "progmem" not in sizes["c99"]
 
 
-# look
-
-
 def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(folders):
     for folder in folders.values():
         for path in [*folder.glob("*.[ch]"), folder / "CMakeLists.txt"]:
@@ -158,15 +149,12 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def header_text(export):
-    return dict(texts(export, report(export)))[f"{export.name}.h"]
-
-
 def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path, monkeypatch):
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
     monkeypatch.setattr(Export, "body", replace(export.body, lengths=steps))
-    text = header_text(replace(export, channels=("sdg", "tip_angle", "height")))
+    export = replace(export, channels=("sdg", "tip_angle", "height"))
+    text = dict(texts(export, report(export)))["feet.h"]
     (tmp_path / "smap.h").write_text(runtime_file("smap.h"))
     (tmp_path / "feet.h").write_text(text)
     low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum
@@ -220,9 +208,6 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(folders, exports
         assert text.count("---- core:") == 1
         assert code_bytes(family_of(body.codec, export.integer)) > 1000
     assert "smap_run_step" in control_text("points")
-
-
-# names
 
 
 def test_a_name_that_c_cannot_have_is_refused():

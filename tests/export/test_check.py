@@ -10,19 +10,16 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.model import Model
 from firmware_export.protocol import Blob, describe
 from lutgen.recipe import parse_recipe
-from tests.fixtures.compiled import compile_c
-from tests.fixtures.exports import coded_export, rover_export, tripod_export
+from tests.fixtures.compiled import compile_c, run
+from tests.fixtures.exports import coded_export, noise, rover_export, tripod_export
 from tests.fixtures.length import part
-from tests.fixtures.noise import noise
 from tests.fixtures.places import MAPS
-from tests.fixtures.programs import run
 from tests.fixtures.recipes import rover, tripod
 
 OK, CORRUPT = 0, 5
 
 
 def trained():
-    """Return trained tables that mean nothing, of all faces."""
     return noise("trained", Model(parse_recipe(tripod(chart="sphere"))), (2, 2, 2, 3), ("sdg",))
 
 
@@ -70,7 +67,6 @@ def test_every_flip_of_one_bit_and_of_two_is_noticed(name):
 
 
 def sealed(content):
-    """Return a blob with the CRC-32 that its bytes have."""
     return zlib.crc32(content[4:]).to_bytes(4, "little") + content[4:]
 
 

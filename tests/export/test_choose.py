@@ -2,7 +2,6 @@
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import ClassVar
@@ -29,7 +28,6 @@ class Spec:
 
     @property
     def label(self):
-        """Short text."""
         return "x".join(map(str, self.nodes))
 
 
@@ -40,7 +38,7 @@ class Formula:
     name: str = "grid"
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     largest: int = 30
-    false_tip: Callable[[Spec], float] = lambda spec: 0.0
+    false_tip: object = lambda spec: 0.0
     families: ClassVar = {"float": "points"}
 
     def sizes(self, *_):
@@ -54,15 +52,13 @@ class Formula:
         return found
 
     def exact(self, model):
-        """Others are tried too."""
         return False
 
     def size(self, spec):
-        """Bytes of the tables."""
         return math.prod(spec.nodes)
 
     def error(self, spec):
-        """Percent."""
+        # Percent.
         return sum(w / (n - 1) ** 2 for w, n in zip(self.weights, spec.nodes, strict=True))
 
 
@@ -75,7 +71,6 @@ class Paper(Trials):
         self.model = SimpleNamespace(recipe=SimpleNamespace(source="paper.toml"))
 
     def try_out(self, codec, spec):
-        """Return the formula's candidate."""
         if (codec, spec) not in self.tried:
             size, error = codec.size(spec), {"sdg": codec.error(spec)}
             export = SimpleNamespace(codec=codec.name, tables=SimpleNamespace(spec=spec))
@@ -86,12 +81,6 @@ class Paper(Trials):
 
 def best(formula, flash, percent):
     return choose(Paper(), [formula], Goal(flash, percent))
-
-
-def best_grid(trials, flash, percent):
-    """Return the best candidate of the codec `grid` that holds the robot."""
-    codecs = usable(trials.model, trials.arithmetic, "grid")
-    return choose(trials, codecs, Goal(flash, percent))
 
 
 def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
@@ -156,26 +145,21 @@ def robot_of(text):
     return Model(lutgen.parse_recipe(text))
 
 
-@pytest.fixture
-def wheels(monkeypatch):
-    """Return a function that makes a bench of four wheels, one of which lifts off."""
+def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is_refused(
+    monkeypatch,
+):
+    # Four wheels, one of which lifts off.
     monkeypatch.setattr(chooser, "POINTS", 6_000)
-
-    def make(*channels, arithmetic="integer"):
-        return Trials(robot_of(rover()), "rover", channels, arithmetic)
-
+    bench = Trials(robot_of(rover()), "rover", ("sdg", "tip_angle"), "integer")
+    codecs = usable(bench.model, "integer", "grid")
     with few_points():
-        yield make
-
-
-def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is_refused(wheels):
-    bench = wheels("sdg", "tip_angle")
-    found = best_grid(bench, 6_000, 30.0)
-    assert len(bench.tried) == 1
-    assert 5_000 < found.total <= 6_000
-    assert Goal(6_000, 30.0).holds(found)
-    with pytest.raises(ExportError, match=r"6,000 bytes of flash and an error of 0.1 %.*nearest"):
-        best_grid(bench, 6_000, 0.1)
+        found = choose(bench, codecs, Goal(6_000, 30.0))
+        assert len(bench.tried) == 1
+        assert 5_000 < found.total <= 6_000
+        assert Goal(6_000, 30.0).holds(found)
+        said = r"6,000 bytes of flash and an error of 0.1 %.*nearest"
+        with pytest.raises(ExportError, match=said):
+            choose(bench, codecs, Goal(6_000, 0.1))
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):

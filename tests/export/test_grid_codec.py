@@ -14,14 +14,13 @@ from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
 from firmware_export.grid.points import bounds, reach_of
 from firmware_export.host import Host, in_units
-from firmware_export.model import biased, least_edge_of, uniform
-from firmware_export.model.exact import Model
+from firmware_export.model import Model, biased, least_edge_of, uniform
 from firmware_export.protocol import describe
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
+from tests.fixtures.exports import noise
 from tests.fixtures.fits import few_points
-from tests.fixtures.noise import noise
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 OK, TIPS, OFF_CHART = 0, 2, 3
@@ -188,7 +187,6 @@ def test_only_a_robot_that_its_mirror_image_stands_like_is_folded():
     for name, over in folds.items():
         model = Model(load_recipe(f"recipe:{name}"))
         fold = ground_of(model).fold
-        assert fold is not None
         assert fold.over == over
         t = np.random.default_rng(3).random((500, model.k))
         image = np.where(over, 1.0 - t[:, list(fold.partner)], t[:, list(fold.partner)])
@@ -212,7 +210,6 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart):
     asked = ExportOptions(flash="8kB", codec="grid", arithmetic="integer", points=2_000)
     export = certified(parse_recipe(rover(chart=chart)), asked)
     reader, certificate = device(export), export.certificate
-    assert certificate is not None
     assert certificate["points"] >= 40_000
     assert certificate["false_safe"] == 0
     assert "none was falsely safe; that excludes a rate above" in certificate["text"][1]
@@ -243,7 +240,6 @@ def test_what_a_test_finds_falsely_safe_is_lowered_and_all_about_it(monkeypatch)
     codes[0, np.flatnonzero((codes > 70) & (codes < 98))[::40]] = 140
     reckless, sample = replace(export.tables, codes=codes), uniform(export.model, 100_000, 9)
     found = put_to_test(device(replace(export, tables=reckless)), export.channels, None, 500, 9)
-    assert found.wrong is not None
     few = [one[::6] for one in found.wrong]
     for climbed in (0, fit.CLIMBED):
         monkeypatch.setattr(fit, "CLIMBED", climbed)

@@ -21,9 +21,6 @@ NAMES = sorted(path.stem for path in PLACE.glob("*.json"))
 POINT = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
 
 
-# The bits
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_the_answers_are_the_frozen_ones(name):
     held = json.loads((PLACE / f"{name}.json").read_text())
@@ -95,12 +92,8 @@ def test_queries_of_another_shape_are_refused():
             host.read(params, gravity)
 
 
-# The library
-
-
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Return a copy of the runtime's folder that is used instead of it."""
     place = shutil.copytree(reader.RUNTIME, tmp_path / "runtime")
     monkeypatch.setattr(reader, "RUNTIME", place)
     monkeypatch.setattr(reader, "load_library", reader.load_library.__wrapped__)
@@ -120,9 +113,6 @@ def test_a_library_of_other_sources_is_refused(elsewhere):
     path.write_text(path.read_text() + "\n/* changed */\n")
     with pytest.raises(ExportError, match="was built from other files"):
         reader.load_library()
-
-
-# The folder
 
 
 @pytest.fixture

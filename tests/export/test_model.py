@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.model import least_edge_of, widened
-from firmware_export.model.exact import Model
-from firmware_export.model.sample import biased, on_chart, uniform
+from firmware_export.model import Model, biased, least_edge_of, on_chart, uniform, widened
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
@@ -30,7 +28,6 @@ CONE, SPHERE = list(MODELS.values())[:2]
 
 
 def normalised(one, sample):
-    """Return the postures over the box, 0 to 1."""
     return np.asarray((sample.params - one.lower) / (one.upper - one.lower))
 
 

@@ -9,7 +9,7 @@ from lutgen.recipe import load_recipe
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.many_library import Library, compared, near_and_far, postures_of
 from tests.fixtures.odd_robots import boxed_tracks, odd_rails, odd_robot, six_feet, two_rims
-from tests.fixtures.quadruped import quadruped
+from tests.fixtures.recipes import quadruped
 
 # Each was once told a larger angle than the definition has, or safe where it tips: sides of gaps
 # beside a ball of another size (32, 71), between rims that turn at different paces or that another

@@ -14,9 +14,9 @@ from firmware_export.emit import package, size
 from firmware_export.emit.facts import report
 from firmware_export.emit.render import texts
 from lutgen.errors import ExportError, InputError
+from tests.fixtures.compiled import contents, run
 from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.places import ROOT
-from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
 
 NAMES = {
@@ -36,9 +36,6 @@ def export():
 def text_of(export, name):
     """Return a file of text of an export, in one line without marks of comments."""
     return re.sub(r"[ \n*]+", " ", dict(texts(export, report(export)))[name])
-
-
-# contents
 
 
 def test_the_folder_holds_these_files_and_its_report_lists_them(export, tmp_path):
@@ -172,9 +169,6 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(make, 
     degrees = math.degrees(exact.tip_angle[0, 0] - float(export.tables.guard))
     assert float(values["tip_angle"][0]) == pytest.approx(degrees, abs=1.0)
     assert values["tip_angle"][1] == "deg"
-
-
-# replacing
 
 
 def test_the_export_of_another_robot_is_replaced_by_force_alone(export, tmp_path):

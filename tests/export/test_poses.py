@@ -10,9 +10,8 @@ from firmware_export.emit import package
 from firmware_export.host.reader import READING
 from firmware_export.model import Model, sensor_tolerance
 from lutgen.recipe import forward, load_recipe
-from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
+from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c, run
 from tests.fixtures.exports import coded_export, host_of, rover_export, tripod_export
-from tests.fixtures.programs import run
 from tests.fixtures.queries import ODD
 
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6

@@ -15,8 +15,6 @@ TRACE = 'Traceback (most recent call last):\n  File "x.py", line 7\nValueError: 
         (1, "", "Error: this is a fault of lutgen (got no); run it again\n", "traceback"),
         (1, "", "Error: the memory is not enough\n", "traceback"),
         (-11, "", "", "exit code: -11"),
-        (-24, "", "", "exit code: -24"),
-        (3, "{}", "", "exit code: 3"),
         (0, '{"sdg": NaN}', "", "output"),
         (0, "no JSON", "", "output"),
         (2, "", "", "exit code: 2"),

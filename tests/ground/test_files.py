@@ -87,9 +87,6 @@ def test_temporary_names_cannot_be_foreseen_and_are_opened_only_if_new(tmp_path,
     assert all(flags & os.O_EXCL and flags & os.O_NOFOLLOW for _, flags in written)
 
 
-# bounds
-
-
 def test_the_reference_lists_every_bound_as_it_is():
     page = (ROOT / "docs/reference/bounds.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| ([\d,]+) \| (.+) \|$", page, re.MULTILINE)

@@ -13,8 +13,7 @@ from distributed import Client, LocalCluster
 import lutgen
 from lutgen.errors import InputError, SweepError
 from lutgen.mapping import dask as engine_dask
-from tests.fixtures.documents import blocks
-from tests.fixtures.places import ROOT, VECTORS
+from tests.fixtures.places import ROOT, VECTORS, blocks
 from tests.fixtures.recipes import parameter, sweep_part
 
 # 54 postures of 11 x 11 nodes in 27 blocks, two channels.  The description is in no file that a
@@ -30,7 +29,6 @@ SIZE, BLOCKS = 242, 27
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Return a cluster of one worker to begin with."""
     with LocalCluster(
         n_workers=1,
         threads_per_worker=1,

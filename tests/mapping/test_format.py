@@ -10,7 +10,8 @@ from blake3 import blake3
 
 import lutgen
 from lutgen.errors import InputError
-from tests.fixtures.recipes import ALL_CHANNELS, tripod
+from lutgen.quantities import CHANNELS
+from tests.fixtures.recipes import tripod
 
 
 def test_a_map_holds_what_evaluate_says_at_every_node(swept):
@@ -33,12 +34,12 @@ def test_a_map_holds_what_evaluate_says_at_every_node(swept):
 
 
 def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path):
-    recipe = lutgen.parse_recipe(tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0))
+    recipe = lutgen.parse_recipe(tripod(channels=CHANNELS, nodes=9, max_tilt=60.0))
     stability_map = lutgen.sweep(recipe, tmp_path / "a.h5")
     assert stability_map.path == str(tmp_path / "a.h5")
     assert stability_map.recipe.digest == recipe.digest
     assert stability_map.axes == recipe.grid.axes
-    assert stability_map.channels == ALL_CHANNELS
+    assert stability_map.channels == CHANNELS
     said = repr(stability_map)
     assert "tripod (reach: 4, swing: 3, face: 1, v: 9, u: 9) sdg" in said
     assert len(said) < 160
@@ -50,7 +51,7 @@ def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path):
 
 
 def test_the_root_attributes_are_those_of_the_format(swept):
-    recipe = lutgen.parse_recipe(tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0))
+    recipe = lutgen.parse_recipe(tripod(channels=CHANNELS, nodes=9, max_tilt=60.0))
     with h5py.File(swept / "cone.h5", "r") as file:
         found = dict(file.attrs)
         assert found.pop("digest").startswith("lutgen-digest-3 at=")
@@ -72,7 +73,7 @@ def test_values_are_contiguous_without_filters_and_end_the_file(swept):
     content = (swept / "cone.h5").read_bytes()
     with h5py.File(swept / "cone.h5", "r") as file:
         end = file["sdg"].id.get_offset()
-        for name in ALL_CHANNELS:
+        for name in CHANNELS:
             variable = file[name]
             assert (variable.chunks, variable.compression, variable.fletcher32) == (None,) * 2 + (
                 False,
@@ -96,7 +97,7 @@ def test_digests_are_those_of_the_document(swept):
         digests = file["seal/blocks"][...]
         facts = [file.attrs[k] for k in ("recipe_sha256", "lutgen_definition", "lutgen_version")]
         facts.append(file["seal/blocks"].attrs["rows"])
-        for index, name in enumerate(ALL_CHANNELS):
+        for index, name in enumerate(CHANNELS):
             text = "\n".join(map(str, ["lutgen block", *facts, name, 0]))
             start = file[name].id.get_offset()
             values = content[start : start + file[name].nbytes]
@@ -120,7 +121,7 @@ def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path, swept):
 def test_xarray_opens_a_map_as_the_map_gives_it(swept):
     data = lutgen.load_map(swept / "cone.h5").to_xarray()
     with xarray.open_dataset(swept / "cone.h5", engine="h5netcdf") as want:
-        assert set(want.data_vars) == set(ALL_CHANNELS)
+        assert set(want.data_vars) == set(CHANNELS)
         assert set(want.coords) == {"reach", "swing", "face", "v", "u"}
         assert set(data.variables) == set(want.variables)
         for name, variable in want.variables.items():
@@ -140,6 +141,6 @@ def test_xarray_opens_a_map_as_the_map_gives_it(swept):
     level = data.sel(reach=0.0, face=0).isel(swing=1).sel(u=0.0, v=0.0)
     recipe = lutgen.load_map(swept / "cone.h5").recipe
     params = [[axis.knots[k] for axis, k in zip(recipe.grid.axes, (0, 1), strict=True)]]
-    exact = lutgen.evaluate(recipe, params, [[0, 0, -1]], ALL_CHANNELS)
-    for name in ALL_CHANNELS:
+    exact = lutgen.evaluate(recipe, params, [[0, 0, -1]], CHANNELS)
+    for name in CHANNELS:
         assert float(level[name]) == pytest.approx(exact[name][0, 0], rel=1e-6)  # float32

@@ -110,7 +110,6 @@ def test_a_call_that_fails_anywhere_is_a_sentence_and_loses_no_block(path, whole
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_a_process_that_dies_at_any_call_leaves_a_file_to_go_on_with(share, path, whole):
-    """Die within and after every call that changes the file; die again while resuming."""
     for first in range(1, len(undisturbed(path)) + 1):
         for at, resume in ((first, False), (max(1, first // 2), True)):
 
@@ -205,9 +204,6 @@ def test_blocks_that_were_damaged_in_the_unfinished_file_are_computed_again(edit
 
 def dies():
     raise Killed
-
-
-# Two sweeps at once, no locks, and no room.
 
 
 def test_a_second_sweep_to_the_same_file_is_refused_and_leaves_it(path):

@@ -10,7 +10,8 @@ import lutgen
 from lutgen.errors import InputError
 from lutgen.mapping import channel_range, share_that_tips
 from lutgen.mapping.stability_map import interpolate, locate
-from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rocker, tripod, without_limits
+from lutgen.quantities import CHANNELS
+from tests.fixtures.recipes import feet, rigid, rocker, tripod, without_limits
 
 TETRAHEDRON = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 SQUARE = [(1, 1, -1), (-1, 1, -1), (-1, -1, -1), (1, -1, -1)]
@@ -19,14 +20,12 @@ STANDS, ROCKS, TIPS = 0, 1, 2
 
 @pytest.fixture
 def cone(swept):
-    """Return the map with all channels over a cone."""
     return lutgen.load_map(swept / "cone.h5")
 
 
 @pytest.fixture(scope="module")
 def rocks(tmp_path_factory):
-    """Return the map of a robot that stands, rocks and tips; 35 x 35 nodes, an odd number."""
-    text = rocker(channels=ALL_CHANNELS, nodes=35, max_tilt=62.0)
+    text = rocker(channels=CHANNELS, nodes=35, max_tilt=62.0)
     return lutgen.sweep(lutgen.parse_recipe(text), tmp_path_factory.mktemp("status") / "a.h5")
 
 
@@ -164,9 +163,6 @@ def test_seams_of_the_sphere_are_crossed_without_a_jump(swept):
     np.testing.assert_allclose(one, other, atol=1e-8)
 
 
-# The whole map.
-
-
 @pytest.mark.parametrize("channels", [("tip_angle",), ("sdg",), ("status",), ("facet",)])
 def test_the_share_that_tips_weighs_nodes_by_their_solid_angle(tmp_path, channels, cut):
     # The cone of 60 deg; the stool stands where |u|, |v| < 1, which is 1/6 of the sphere.
@@ -195,15 +191,7 @@ def test_a_robot_that_cannot_tip_has_the_share_zero_and_ranges_leave_out_what_is
     assert np.isnan(cone["sdg"]).any()
     low, high = channel_range(cone, "sdg")
     assert (low, high) == (np.nanmin(cone["sdg"]), np.nanmax(cone["sdg"]))
-    assert low is not None
     assert low < high
-
-
-# Multilinear interpolation.
-
-
-def random_axes(rng, dimensions):
-    return [np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0 for _ in range(dimensions)]
 
 
 def located(axes, points):
@@ -221,7 +209,7 @@ def test_a_value_has_the_cell_of_the_knot_below_it_and_what_is_beyond_an_end_is_
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
 def test_values_are_interpolated_as_scipy_does_and_nodes_are_returned_bit_for_bit(dimensions):
     rng = np.random.default_rng(10 + dimensions)
-    axes = random_axes(rng, dimensions)
+    axes = [np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) for _ in range(dimensions)]
     values = rng.normal(size=[a.size for a in axes]).astype(np.float32)
     points = np.stack([rng.uniform(knots[0], knots[-1], 200) for knots in axes], axis=1)
     got, _ = interpolate(values, located(axes, points))

@@ -7,23 +7,17 @@ import math
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
-def norm(v: Floats) -> Floats:
-    """Return the length along the last axis."""
+def norm(v):
     return np.asarray(np.sqrt((v * v).sum(-1)))
 
 
-def unit(v: Floats) -> Floats:
-    """Return vectors scaled to length one along the last axis."""
+def unit(v):
     return np.asarray(v / np.maximum(norm(v), 1e-300)[..., None])
 
 
-def touch(rows: Floats, n: Floats) -> Floats:
+def touch(rows, n):
     """Return the points of primitives (..., 8) that reach furthest along unit normals (..., 3)."""
     axis = rows[..., 3:6]
     return np.asarray(
@@ -31,36 +25,36 @@ def touch(rows: Floats, n: Floats) -> Floats:
     )
 
 
-def reach(rows: Floats, n: Floats) -> Floats:
+def reach(rows, n):
     """Return how far primitives (k, 8) reach along normals (m, 3): (m, k)."""
     return np.asarray((touch(rows, n[:, None]) * n[:, None]).sum(-1))
 
 
-def sphere(count: int) -> Floats:
+def sphere(count):
     """Return unit vectors spread evenly over the sphere."""
     k = np.arange(count) + 0.5
     z, turn = 1.0 - 2.0 * k / count, k * math.pi * (3.0 - math.sqrt(5.0))
     return np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], -1)
 
 
-def size_of(rows: Floats) -> float:
+def size_of(rows):
     """Return the greatest distance of a far side from the com."""
     return float((norm(rows[:, :3]) + rows[:, 6]).max())
 
 
-def least_turn(a: Floats, b: Floats) -> Floats:
+def least_turn(a, b):
     """Return the least rotation (3, 3) from one unit vector to another."""
     x, y, z = np.cross(a, b)
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + k + k @ k / (1.0 + a @ b))
 
 
-def turns(a: Floats, b: Floats) -> Floats:
+def turns(a, b):
     """Return twice the area of triangles in a plane, positive if they turn left."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def polygon(points: Floats, normal: Floats, slack: float) -> Ints:
+def polygon(points, normal, slack):
     """Return the corners of points in a plane, counter-clockwise about the normal, by wrapping."""
     first = unit(np.cross(normal, np.eye(3)[np.argmin(abs(normal))]))
     flat = points @ np.stack([first, np.cross(normal, first)], -1)
@@ -80,7 +74,7 @@ def polygon(points: Floats, normal: Floats, slack: float) -> Ints:
     return np.array(keep)[chain] if wide and len(chain) > 2 else np.zeros(0, int)
 
 
-def planes_of_three(rows: Floats, size: float) -> Floats:
+def planes_of_three(rows, size):
     """Return normals of planes that touch three primitives, none below, the widest first."""
     some = np.array(list(combinations(range(len(rows)), 3)))
     even, fine = sphere(8), sphere(4000)

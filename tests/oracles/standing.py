@@ -13,11 +13,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tests.oracles.primitives import (
-    Floats,
-    Ints,
     least_turn,
     norm,
     planes_of_three,
@@ -28,7 +25,6 @@ from tests.oracles.primitives import (
     unit,
 )
 
-Bools = NDArray[np.bool_]
 STANDS, ROCKS, TIPS = 0, 1, 2
 # A share of the size: lengths that differ by less are one.
 SAME = 1e-9
@@ -61,10 +57,10 @@ class Arc:
 
     to: "Facet"
     back: int
-    p: Floats
-    q: Floats
-    turned: Floats
-    sunk: Floats
+    p: np.ndarray
+    q: np.ndarray
+    turned: np.ndarray
+    sunk: np.ndarray
     held: tuple[float, float] = (1.0, 0.0)
 
 
@@ -72,27 +68,26 @@ class Arc:
 class Facet:
     """A plane with none below: who touches it, who and where its corners are, arcs by edge."""
 
-    normal: Floats
+    normal: np.ndarray
     height: float
-    touching: Ints
-    corners: Ints
-    points: Floats
-    centroid: Floats = field(default_factory=lambda: np.zeros(3))
+    touching: np.ndarray
+    corners: np.ndarray
+    points: np.ndarray
+    centroid: np.ndarray = field(default_factory=lambda: np.zeros(3))
     width: float = 0.0
     group: int = -1
     beyond: dict[int, Arc] = field(default_factory=dict)
 
-    def edges(self) -> list[tuple[int, Ints, Floats, Floats]]:
-        """Return number, primitives and ends of each edge."""
+    def edges(self):
         two = np.stack([self.corners, np.roll(self.corners, -1)], -1)
         return list(
             zip(range(len(two)), two, self.points, np.roll(self.points, -1, 0), strict=True)
         )
 
 
-def facets_of(rows: Floats) -> list[Facet]:
+def facets_of(rows):
     """Return all support facets; those that share three contacts which are not in a row are one."""
-    size, found = size_of(rows), list[Facet]()
+    size, found = size_of(rows), []
     for n in planes_of_three(rows, size):
         h = reach(rows, n[None])[0]
         touching = np.flatnonzero(h >= h.max() - SAME * size)
@@ -109,9 +104,9 @@ def facets_of(rows: Floats) -> list[Facet]:
     return found
 
 
-def rests_of(rows: Floats, limits: Limits) -> list[Facet]:
+def rests_of(rows, limits):
     """Return the rests, with the centroids of their support polygons."""
-    size, found = size_of(rows), list[Facet]()
+    size, found = size_of(rows), []
     upright = math.pi if limits.upright is None else limits.upright
     steepest = -2.0 if upright >= math.pi else math.cos(upright) + 1e-9
     for f in facets_of(rows):
@@ -135,7 +130,7 @@ def rests_of(rows: Floats, limits: Limits) -> list[Facet]:
     return found
 
 
-def follow(rows: Floats, pair: Floats, begin: Floats, end: Floats, slack: float) -> Floats | None:
+def follow(rows, pair, begin, end, slack):
     """Return the normals from one rest outwards to another on two primitives.
 
     None if the arc does not lead there, or another primitive comes below the plane before.
@@ -161,12 +156,12 @@ def follow(rows: Floats, pair: Floats, begin: Floats, end: Floats, slack: float)
 class Standing:
     """The standing region of a posture: rests, gaps, and the arcs of its boundary."""
 
-    def __init__(self, rows: Floats, limits: Limits) -> None:
+    def __init__(self, rows, limits):
         self.rows, self.size = rows, size_of(rows)
         self.rests = rests_of(rows, limits)
-        self.gaps: list[tuple[Facet, Arc]] = []
+        self.gaps = []
         self._link(-1.0 if limits.rock_angle is None else math.cos(limits.rock_angle + 1e-12))
-        sides = list[tuple[Floats, Floats]]()
+        sides = []
         for k, here in enumerate(self.rests):
             for e, _, a, b in here.edges():
                 low, high, arc = 1.0, 0.0, here.beyond.get(e)
@@ -189,7 +184,7 @@ class Standing:
         inside = (corners @ self.walls.T >= -NOISE).all()
         self.convex = bool(len(self.rests) and len(self.sides) and inside and not apart)
 
-    def _link(self, least: float) -> None:
+    def _link(self, least):
         """Find the arcs between rests with at least this cosine, and number the groups."""
         for here in self.rests:
             for e, ids, _, _ in here.edges():
@@ -209,7 +204,7 @@ class Standing:
                 near = [a.to for a in f.beyond.values() if norm(f.normal - a.to.normal) <= ONE_REST]
                 queue += [g for g in near if g.group < 0 and g not in queue]
 
-    def _roll(self, here: Facet, e: int, there: Facet, back: int, pair: Floats) -> None:
+    def _roll(self, here, e, there, back, pair):
         """Roll over edge e of a rest to another one, and back."""
         way = follow(self.rows, pair, here.normal, there.normal, 10.0 * SAME * self.size)
         if way is None or back in there.beyond:
@@ -223,7 +218,7 @@ class Standing:
         here.beyond[e] = Arc(there, back, p, q, turned, sunk)
         there.beyond[back] = Arc(here, e, q[::-1], p[::-1], turned.T, -turned @ sunk)
 
-    def _stays(self, arc: Arc, g: Floats) -> Bools:
+    def _stays(self, arc, g):
         """Tell whether a robot that is let go under directions (m, 3) stays where it lands."""
         good = np.ones(len(g), bool)
         for f in self.rests:
@@ -240,11 +235,11 @@ class Standing:
                     good &= (inside >= 0.0) & (np.hypot(inside, above) >= above + sunk)
         return good
 
-    def _held(self, here: Facet, on: Arc) -> tuple[float, float]:
+    def _held(self, here, on):
         """Return the longest part of an edge over which the robot stays wherever it rolls."""
         off = on.to.beyond[on.back]
 
-        def good(w: Floats) -> Bools:
+        def good(w):
             begin, end = (on.p[k] + w[:, None] * (on.q[k] - on.p[k]) for k in (0, -1))
             return self._stays(on, begin) & self._stays(off, end)
 
@@ -261,7 +256,7 @@ class Standing:
             found.append(float(yes))
         return found[0], found[1]
 
-    def in_gap(self, arc: Arc, g: Floats) -> Bools:
+    def in_gap(self, arc, g):
         """Tell which directions (m, 3) point at the held part of a strip."""
         found, side = np.zeros(len(g), bool), np.cross(arc.p, arc.q) @ g.T
         k, m = np.nonzero(side[1:] * side[:-1] <= 0.0)
@@ -274,7 +269,7 @@ class Standing:
         found[m[(arc.held[0] <= w) & (w <= arc.held[1]) & ahead]] = True
         return found
 
-    def distance(self, g: Floats) -> Floats:
+    def distance(self, g):
         """Return the angle from directions (m, 3) to the boundary; pi if there is none."""
         a, b = unit(self.sides[:, 0]), unit(self.sides[:, 1])
         m = unit(np.cross(a, b))
@@ -284,7 +279,7 @@ class Standing:
         flat = abs(np.arcsin(np.clip(g @ m.T, -1.0, 1.0)))
         return np.asarray(np.where(beside, flat, ends).min(1, initial=math.pi))
 
-    def read(self, g: Floats) -> tuple[Ints, Floats, Floats, Floats, Floats]:
+    def read(self, g):
         """Return status, tip_angle, sdg, height and lever of unit directions (m, 3).
 
         Planes that differ by d at the corners of a rest differ by d * lever where g pierces them,

@@ -38,13 +38,11 @@ def written(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def report(written):
-    """Return the folder of the report."""
     return written[0]
 
 
 @pytest.fixture(scope="session")
 def results(written):
-    """Return the numbers of the report."""
     return written[1]
 
 

@@ -31,13 +31,16 @@ def test_of_two_solids_the_nearer_one_is_painted_later():
     rng = np.random.default_rng(8)
     compared = 0
     for _ in range(10):
-        solids = []
-        for cell in rng.permutation(27)[:8]:
-            # Apart: each in its own cell of a grid, turned at random.
-            at = np.array([cell % 3, cell // 3 % 3, cell // 9]) * 2.0
-            turn = Rotation.random(random_state=rng).as_matrix()
-            size = rng.uniform(0.2, 0.55, 3)
-            solids.append(box(-size, size, "#808080", turn, at))
+        # A box cut in two, and one of its parts, and so on: small ones are beside long ones, so
+        # that the order of their middles is wrong.
+        cells = [(np.full(3, -1.0), np.ones(3))]
+        for _ in range(9):
+            low, high = cells.pop(rng.integers(len(cells)))
+            end, begin, axis = high.copy(), low.copy(), rng.integers(3)
+            end[axis] = begin[axis] = rng.uniform(low[axis], high[axis])
+            cells += [(low, end), (begin, high)]
+        turn = Rotation.random(random_state=rng).as_matrix()
+        solids = [box(a, 0.1 * a + 0.9 * b, "#808080", turn, np.zeros(3)) for a, b in cells]
         camera = Camera(rng.uniform(0, 360), rng.uniform(-80, 80), UP)
         order = {id(solid): n for n, solid in enumerate(from_the_back(solids, camera))}
         points = np.concatenate([solid.points for solid in solids])

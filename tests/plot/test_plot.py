@@ -13,9 +13,7 @@ from PIL import Image
 
 import lutgen
 from lutgen import plot
-from lutgen.analysis.posture import Posture
-from lutgen.analysis.tilt import tilt_limits, tilted
-from lutgen.analysis.tilt_table import posture_limits
+from lutgen.analysis import Posture, posture_limits, tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.quantities import RANKED
 from tests.fixtures.places import MAPS
@@ -38,16 +36,7 @@ def table():
 
 @pytest.fixture(scope="module")
 def absolem():
-    """Return a robot whose support jumps to other wheels."""
     return lutgen.load_recipe(MAPS / "absolem.toml")
-
-
-@pytest.fixture(scope="module")
-def two_map(two, tmp_path_factory):
-    text = two.text.replace("alpha = 50, gamma = 50", "alpha = 11, gamma = 6")
-    path = tmp_path_factory.mktemp("maps") / "two.h5"
-    lutgen.sweep(lutgen.parse_recipe(text.replace("nodes = 33", "nodes = 9")), path)
-    return lutgen.load_map(path)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +46,6 @@ def contour(two):
 
 
 def words(figure):
-    """Return all texts of a figure, its title first."""
     return "\n".join(text.get_text() for text in figure.findobj(mpl.text.Text))
 
 
@@ -66,7 +54,6 @@ def title(figure):
 
 
 def line(figure, label):
-    """Return the data of the one line of a label."""
     (found,) = (x for axes in figure.axes for x in axes.get_lines() if x.get_label() == label)
     return found.get_data()
 
@@ -157,9 +144,10 @@ def test_a_figure_without_a_standing_posture_has_no_optimum(two, kind):
     # No posture of this robot stands with its nose straight up.
     if kind == "surface":
         assert title(plot.draw(kind, two, channel="sdg")).count(f"31{DEG}") == 2
-    figure = plot.draw(kind, two, gravity=(-1.0, 0.0, 0.0), channel="sdg")
-    assert title(figure) == f"Tips over in every posture, nose up by 90{DEG}"
-    assert "best" not in [one.get_label() for one in figure.axes[0].get_lines()]
+    for channel in ("sdg", "tip_angle"):
+        figure = plot.draw(kind, two, gravity=(-1.0, 0.0, 0.0), channel=channel)
+        assert title(figure) == f"Tips over in every posture, nose up by 90{DEG}"
+        assert "best" not in [one.get_label() for one in figure.axes[0].get_lines()]
 
 
 def test_a_disc_is_of_equal_areas_and_its_boundary_where_the_tip_angle_is_zero(two):
@@ -269,6 +257,9 @@ def test_wrong_option_is_refused_in_one_sentence(two, kind, options, fragment):
     refused(two, kind, fragment, **options)
 
 
-def test_options_that_the_map_cannot_answer_are_refused(two_map):
+def test_options_that_the_map_cannot_answer_are_refused(two, tmp_path):
+    text = two.text.replace("alpha = 50, gamma = 50", "alpha = 11, gamma = 6")
+    recipe = lutgen.parse_recipe(text.replace("nodes = 33", "nodes = 9"))
+    two_map = lutgen.sweep(recipe, tmp_path / "two.h5")
     refused(two_map, "contour", "recipe", channel="margin")
     refused(two_map, "contour", "recipe", gravity=(1.0, 0.0, -0.2))

@@ -91,7 +91,6 @@ run = partial(commands.run, "path")
 
 
 def is_red(picture):
-    """Tell whether there is red in the line of the titles."""
     r, g, b = picture[:40].astype(int).transpose(2, 0, 1)
     return bool(((r > 150) & (g < 110) & (b < 110)).any())
 

@@ -9,8 +9,7 @@ from matplotlib.text import Text
 from lutgen.plot import draw, draw_path, on_sheet
 from lutgen.plot.style import ANGLES, FACTOR, ink_on, said_once
 from lutgen.recipe import parse_recipe
-from lutgen.search import drive
-from lutgen.search.terrain import along
+from lutgen.search import along, drive
 from tests.fixtures.length import part
 from tests.fixtures.recipes import tripod
 

@@ -10,8 +10,6 @@ import lutgen
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose.contacts import effects, inner_contacts, named_contacts, proposed_contacts
-from lutgen.recipe import Recipe
-from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import read_motion
 from lutgen.urdf.links import link_contacts, links_of, places
 from lutgen.urdf.read import parse_urdf
@@ -21,11 +19,11 @@ from tests.fixtures.robots import collision, joint, link, robot
 QUARTER = f"{math.pi / 2.0!r} 0 0"
 
 
-def shaped(*shapes: str) -> list[Contact]:
+def shaped(*shapes):
     return link_contacts(parse_urdf(robot(link("a", 1.0, inside="".join(shapes)))).links[0])
 
 
-def test_a_sphere_is_a_sphere_at_its_centre_and_a_cylinder_its_two_rim_discs() -> None:
+def test_a_sphere_is_a_sphere_at_its_centre_and_a_cylinder_its_two_rim_discs():
     assert shaped(collision('sphere radius="0.25"', "1 2 3")) == [
         Contact("a", "a", (1.0, 2.0, 3.0), 0.25)
     ]
@@ -42,7 +40,7 @@ def test_a_sphere_is_a_sphere_at_its_centre_and_a_cylinder_its_two_rim_discs() -
     assert shaped(collision('mesh filename="/etc/hostname"')) == []
 
 
-def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
+def test_a_box_is_its_corners_and_counts_only_without_round_shapes():
     box = collision('box size="2 4 6"', "1 0 0", f"0 0 {math.pi / 2.0!r}")
     corners = {tuple(round(x, 9) for x in part.position) for part in shaped(box)}
     assert corners == {(1.0 + x, y, z) for x in (-2, 2) for y in (-1, 1) for z in (-3, 3)}
@@ -59,16 +57,14 @@ def test_a_box_is_its_corners_and_counts_only_without_round_shapes() -> None:
         ("0.9 2 3", collision('sphere radius="1"'), None),
     ],
 )
-def test_a_link_that_is_a_box_about_its_com_has_its_sides_for_figures(
-    com: str, extra: str, sides: tuple[float, ...] | None
-) -> None:
+def test_a_link_that_is_a_box_about_its_com_has_its_sides_for_figures(com, extra, sides):
     box = collision('box size="2 4 6"', "1 2 3", f"0 0 {math.pi / 2.0!r}")
     described = parse_urdf(robot(link("a", 1.0, com, inside=box + extra)))
     (found,) = links_of(described, read_motion(described, None), {})
     assert found.shape == (None if sides is None else pytest.approx(sides))
 
 
-def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries() -> None:
+def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries():
     wheel = collision('cylinder radius="0.2" length="0"', rpy=QUARTER)
     limits = '<limit lower="-0.5" upper="0.5"/>'
     described = parse_urdf(
@@ -87,7 +83,7 @@ def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries() -> N
     assert found["slide"] == pytest.approx((0.0, 1.0 * 2.0 / 12.0))
 
 
-def track(heights: list[float]) -> UrdfRobot:
+def track(heights):
     """Return two rows of road wheels in links of their own, at heights above a plane."""
     wheel = collision('cylinder radius="0.1" length="0.06"', rpy=QUARTER)
     parts = [link("base", 10.0, "0 0 0.5")]
@@ -100,14 +96,14 @@ def track(heights: list[float]) -> UrdfRobot:
     return parse_urdf(robot(*parts))
 
 
-def without_inner(described: UrdfRobot) -> tuple[list[Contact], list[Contact]]:
+def without_inner(described):
     """Return all discs of a robot and those that carry nothing alone, in the body's frame."""
     motion = read_motion(described, ())
     where = places(described, motion)
     found = proposed_contacts(described, where)
     inner = inner_contacts(described, motion, found, where)
 
-    def at_rest(contact: Contact) -> Contact:
+    def at_rest(contact):
         turn, origin = where[contact.link]
         place = (origin + turn @ contact.position).tolist()
         return replace(contact, position=tuple(place))
@@ -125,13 +121,13 @@ def without_inner(described: UrdfRobot) -> tuple[list[Contact], list[Contact]]:
     ],
 )
 def test_of_wheels_in_two_lines_the_outer_rims_of_the_ends_remain_and_those_out_of_line(
-    heights: list[float], outer: str
-) -> None:
+    heights, outer
+):
     found, inner = without_inner(track(heights))
     assert " ".join(part.name for part in found if part not in inner) == outer
 
 
-def test_a_wheel_that_moves_against_the_others_stays() -> None:
+def test_a_wheel_that_moves_against_the_others_stays():
     described = track([0.1] * 3)
     motion = read_motion(described, ["lj1"])
     where = places(described, motion)
@@ -141,11 +137,11 @@ def test_a_wheel_that_moves_against_the_others_stays() -> None:
     assert names == {"l0_2", "l1_1", "l1_2", "l2_2", "r0_1", "r2_1"}
 
 
-def test_no_verdict_changes_without_the_contacts_between_two_others() -> None:
+def test_no_verdict_changes_without_the_contacts_between_two_others():
     found, inner = without_inner(track([0.1, 0.14, 0.12, 0.1, 0.1]))
     assert inner
 
-    def recipe(contacts: list[Contact]) -> Recipe:
+    def recipe(contacts):
         text = "".join(contact(c.name, c.position, c.radius, c.axis) for c in contacts)
         body = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0.3, 0.05, 0.5]\n'
         return lutgen.parse_recipe(rigid(body + text))
@@ -163,14 +159,14 @@ def test_no_verdict_changes_without_the_contacts_between_two_others() -> None:
         np.testing.assert_allclose(part[name], whole[name], atol=1e-8, err_msg=name)
 
 
-def test_too_many_shapes_near_the_ground_are_refused_with_a_way_out() -> None:
+def test_too_many_shapes_near_the_ground_are_refused_with_a_way_out():
     shapes = "".join(collision('sphere radius="0.1"', f"{i} 0 0") for i in range(201))
     described = parse_urdf(robot(link("a", 1.0, "0 0 1", shapes)))
     with pytest.raises(RecipeError, match="name the links that touch the ground"):
         proposed_contacts(described, places(described, read_motion(described)))
 
 
-def test_links_within_a_quarter_of_the_coms_height_of_the_lowest_touch_the_ground() -> None:
+def test_links_within_a_quarter_of_the_coms_height_of_the_lowest_touch_the_ground():
     # The com is 1 m above the lowest point.
     heights = {"a": 0.0, "b": 0.0, "c": 0.0, "near": 0.24, "far": 0.26}
     described = [link("base", 10.0, "0 0 0.9")]

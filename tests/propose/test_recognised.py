@@ -22,7 +22,6 @@ HULL = written("hull.stl", "0 0 0.1")
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Return a folder with a wheel, a hull, a sole and a leg, made the working folder."""
     for suffix in (".stl", ".obj", ".dae"):
         write(tmp_path / f"wheel{suffix}", cylinder(0.1, 0.05, 24))
     write(tmp_path / "hull.stl", box(0.6, 0.3, 0.1))
@@ -33,7 +32,6 @@ def folder(tmp_path, monkeypatch):
 
 
 def car(shape, kind="continuous"):
-    """Return a car whose four wheels have a shape."""
     parts = [link("base", 10.0, "0 0 0.1", HULL)]
     for name, (x, y) in WHEELS.items():
         parts += [
@@ -44,7 +42,6 @@ def car(shape, kind="continuous"):
 
 
 def imported(text, contacts=None):
-    """Return what comes of a description in the working folder."""
     Path("a.urdf").write_text(text, encoding="utf-8")
     made = import_urdf(load_urdf("a.urdf"), contacts, meshes=Meshes(Sources(Path())))
     return made.recipe, made

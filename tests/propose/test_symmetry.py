@@ -4,8 +4,7 @@ import re
 
 import numpy as np
 
-from lutgen.propose import import_urdf
-from lutgen.propose.couplings import Coupling
+from lutgen.propose import Coupling, import_urdf
 from lutgen.recipe.kinematics import forward
 from lutgen.urdf.read import load_urdf, parse_urdf
 from lutgen.urdf.srdf import load_srdf
@@ -19,7 +18,6 @@ LEGS = ("FL", "FR", "RL", "RR")
 
 
 def axis(text, joint, turned):
-    """Return a description in which a joint has another axis."""
     pattern = rf'(name="{joint}".*?axis xyz=")[^"]*'
     found, count = re.subn(pattern, rf"\g<1>{turned}", text, count=1, flags=re.DOTALL)
     assert count == 1
@@ -76,12 +74,8 @@ def test_joints_in_a_row_of_one_name_are_not_coupled():
     assert not any({"left_bend", "right_bend"} & set(joints) for joints in found.values())
 
 
-def coupled():
-    return import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
-
-
 def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot():
-    recipe = coupled()
+    recipe = import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
     rng = np.random.default_rng(3)
     low, high = zip(*((p.minimum, p.maximum) for p in recipe.parameters), strict=True)
     found = forward(recipe, rng.uniform(low, high, (200, 3)))

@@ -17,7 +17,6 @@ HALF = "home = { swing = 20 }"
 
 @pytest.fixture
 def path(tmp_path):
-    """Return a recipe file with a `home`."""
     file = tmp_path / "tripod.toml"
     file.write_text(tripod(head=WHOLE), encoding="utf-8")
     return file

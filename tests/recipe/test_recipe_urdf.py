@@ -13,8 +13,7 @@ import pytest
 import lutgen
 from lutgen.errors import MapFileError, RecipeError
 from lutgen.propose.proposal import import_urdf
-from lutgen.recipe import recipe_digest
-from lutgen.recipe.kinematics import forward
+from lutgen.recipe import forward, recipe_digest
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.commands import data
 from tests.fixtures.places import VECTORS
@@ -43,14 +42,12 @@ def recipe_text(
     head='length_unit = "m"',
     sweep=SWEEP,
 ):
-    """Return a recipe of the rover."""
     robot = f'[robot]\nname = "rover"\n{head}\nurdf = {urdf!r}\n'
     return robot + parameters + contacts + sweep
 
 
 @pytest.fixture
 def path(tmp_path):
-    """Return a recipe file beside the description that it names."""
     shutil.copy(VECTOR, tmp_path / "rover.urdf")
     file = tmp_path / "rover.toml"
     file.write_text(recipe_text(), encoding="utf-8")
@@ -257,7 +254,6 @@ TIPS += '[[robot.contact]]\nname = "tail"\nlink = "chassis"\nposition = [-0.3, 0
 
 
 def driving(drive, low=-40.0, high=40.0, unit="deg"):
-    """Return a recipe whose parameter `reach` has these further lines."""
     return (
         '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n[[robot.parameter]]\n'
         f'name = "reach"\nmin = {low}\nmax = {high}\nunit = "{unit}"\n'

@@ -23,6 +23,7 @@ FAULTS = [
     ("friction = 0.5", "friction = nan", "robot.friction`: must be finite (got nan); write for"),
     ("rock_angle = 20.0", "rock_angle = -1", "robot.rock_angle`: must be 0 or more (got -1);"),
     ("{ lift = 20.0 }", "{ left = 20.0 }", "robot.home.left`: is not a parameter of the robot"),
+    ("{ lift = 20.0 }", "{ lift = -10.1 }", "robot.home.lift`: lies outside the parameter's min"),
     ("{ lift = 20.0 }", "{ lift = 50.1 }", "robot.home.lift`: lies outside the parameter's min"),
     ("{ lift = 20.0 }", '{ lift = "up" }', "robot.home.lift`: must be a number (got 'up'); write"),
     ('name = "lift"\nmin', 'name = "a b"\nmin', "robot.parameter[1].name`: is not an"),
@@ -30,7 +31,6 @@ FAULTS = [
     ("max = 50.0", 'max = 50.0\njoint = "hip"', "robot.parameter[1].joint`: means nothing"),
     ("min = -10.0", "min = 50", "robot.parameter[1].min`: must be below max = 50 (got 50.0);"),
     ('unit = "deg"', 'unit = "mm"', "robot.parameter[1].unit`: is neither an angle nor the robot'"),
-    ('unit = "deg"', 'unit = "turns"', "robot.parameter[1].unit`: is unknown (got 'turns'); use"),
     ("mass = 5.0\n", "origin = [1, 0, 0]\nmass = 5.0\n", "robot.link[1].origin`: is not allowed"),
     ("mass = 5.0\n", "", "robot.link[1].com`: changes nothing without a mass (got [0.0, 0.0, 0.1]"),
     ('name = "leg"', 'name = "body"', "robot.link[2].name`: is given twice (got 'body'); choose"),
@@ -38,7 +38,6 @@ FAULTS = [
     ('parent = "body"', 'parent = "bdy"', "robot.link[2].parent`: is not a link of the robot"),
     ('parent = "body"', 'parent = "leg"', "robot.link[2].parent`: makes a loop of links (got"),
     ("origin = [0, 0, 0.1]", "origin = [0, 0.1]", "robot.link[2].origin`: needs 3 or more"),
-    ('type = "revolute"', 'type = "hinge"', "robot.link[2].joint.type`: is unknown (got 'hinge');"),
     ('type = "revolute"', 'type = "none"', "robot.link[2].joint.axis`: means nothing for type"),
     ('type = "revolute"', 'type = "prismatic"', "robot.link[2].joint.parameter`: of a prismatic"),
     ("axis = [0, 1, 0], par", "axis = [0, 0, 0], par", "robot.link[2].joint.axis`: must have a"),
@@ -70,7 +69,6 @@ FAULTS = [
     ("{ lift = 3 }", "{ lift = 3, x = 2 }", "sweep.samples.x`: is not a parameter of the robot"),
     ("{ lift = 3 }", "{}", "sweep.samples.lift`: is missing (got nothing); give a number of"),
     ("{ lift = 3 }", "{ lift = 3.0 }", "sweep.samples.lift`: must be a whole number (got 3.0);"),
-    ('contacts = ["a", "b"]', "contacts = []", "robot.group[1].contacts`: needs 1 or more entries"),
     ('contacts = ["a", "b"]', 'contacts = ["d"]', "robot.group[1].contacts[1]`: is not a contact"),
     ("{ lift = 3 }", "{ lift = [1, 2, 2] }", "sweep.samples.lift[3]`: does not increase (got 2.0)"),
     ("{ lift = 3 }", "{ lift = [0, 51] }", "sweep.samples.lift[2]`: lies outside the parameter's"),
@@ -92,15 +90,14 @@ FEET = "".join(
 )
 
 
-def refusal(text: str) -> str:
-    """Return why a recipe is refused."""
+def refusal(text):
     with pytest.raises(RecipeError) as caught:
         lutgen.parse_recipe(text, "bad.toml")
     return str(caught.value)
 
 
 @pytest.mark.parametrize(("old", "new", "said"), FAULTS)
-def test_a_fault_is_refused_with_its_key(old: str, new: str, said: str) -> None:
+def test_a_fault_is_refused_with_its_key(old, new, said):
     assert old in EVERYTHING
     first, *others = refusal(EVERYTHING.replace(old, new, 1)).split("\n")
     assert first.startswith(f"bad.toml: key `{said}")
@@ -108,7 +105,7 @@ def test_a_fault_is_refused_with_its_key(old: str, new: str, said: str) -> None:
         assert re.fullmatch(r"bad\.toml: key `\S+`: .+ \(got .+\); .+\.", line)
 
 
-def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> None:
+def test_all_faults_are_said_at_once_those_of_types_before_those_of_names():
     text = EVERYTHING.replace("friction =", "friktion =").replace('"cone"', '"conic"')
     text = text.replace("max = 50.0", "max = true").replace('link = "leg"', 'link = "arm"')
     assert refusal(text).split("\n") == [
@@ -131,8 +128,10 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
     assert last == "bad.toml: and 40 more faults."
 
 
-def weightless(kind: str, value: str) -> str:
-    """Return a robot without masses that carries something."""
+MASSLESS = '[[robot.link]]\nname = "body"\nmass = 0\n'
+
+
+def weightless(kind, value):
     part = f'[[robot.{kind}]]\nname = "x"\nlink = "body"\nposition = [0, 0, 0]\n{value}\n'
     return rigid(feet(BOX) + part)
 
@@ -148,6 +147,11 @@ def weightless(kind: str, value: str) -> str:
         (f"{EVERYTHING}\n[sweep.x]", "sweep.x`: is not a known key (got {}); use one of: samples"),
         (EVERYTHING.replace("min = -10.0", f"min = {'1' * 4000}"), "robot.parameter[1].min`: is t"),
         (EVERYTHING.replace("min = -10.0", f"min = 0x{'f' * 9999}"), "robot.parameter[1].min`: is"),
+        (
+            re.sub("joint = .*", "", EVERYTHING),
+            "robot.parameter[1].name`: is used by no joint (got",
+        ),
+        (rigid(feet(BOX) + MASSLESS), "robot.link`: masses are given but all are zero (got 0.0)"),
         (FREE.replace("max = 50.0", "max = -9.999999999999999"), "sweep.samples.lift`: has nodes"),
         (
             CODED.replace("[sweep", "[[robot.contact]]\nlink = 'a'\n[sweep"),
@@ -160,7 +164,7 @@ def weightless(kind: str, value: str) -> str:
         (EVERYTHING + FEET, "robot.contact`: a robot needs 3 to 62 contacts (got 63); keep those"),
     ],
 )
-def test_what_one_change_does_not_make_is_refused_too(text: str, said: str) -> None:
+def test_what_one_change_does_not_make_is_refused_too(text, said):
     assert refusal(text).startswith(f"bad.toml: key `{said}")
 
 
@@ -173,15 +177,15 @@ def test_what_one_change_does_not_make_is_refused_too(text: str, said: str) -> N
         ("a = \u0661", "is not TOML (got Invalid value (at line 1,"),
     ],
 )
-def test_what_is_no_toml_is_refused_with_its_line(text: str, said: str) -> None:
+def test_what_is_no_toml_is_refused_with_its_line(text, said):
     assert refusal(text).startswith(f"bad.toml: {said}")
 
 
-def test_numbers_are_those_of_toml() -> None:
+def test_numbers_are_those_of_toml():
     text = EVERYTHING.replace("max = 50.0", "max = 5_0").replace("mass = 5.0", "mass = 0x5")
     assert lutgen.parse_recipe(text).parameters == lutgen.parse_recipe(EVERYTHING).parameters
 
 
-def test_a_search_for_an_energy_margin_under_a_load_is_refused() -> None:
+def test_a_search_for_an_energy_margin_under_a_load_is_refused():
     with pytest.raises(lutgen.InputError, match="energy_margin is not defined"):
         Objective(robot(feet(BOX), rho=0.1), LEVEL, "energy_margin")

@@ -7,8 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lutgen.errors import InputError
-from lutgen.recipe.kinematics import forward, postures
-from lutgen.recipe.recipe import load_recipe, parse_recipe
+from lutgen.recipe import forward, load_recipe, parse_recipe, postures
 from proofs.toml import toml_text
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import sweep_part, tripod

@@ -35,19 +35,13 @@ def changed(path, text, instead):
 
 
 @pytest.fixture
-def subject(tmp_path):
-    """Return a small export that a test may damage."""
-    return made("tables_integer", tmp_path / "exports")
-
-
-@pytest.fixture
 def points(tmp_path):
-    """Return an export in floats that a test may damage."""
     return made("paper_two", tmp_path / "exports")
 
 
 @pytest.mark.needs("frama-c", "gcc")
-def test_eva_finds_an_index_that_goes_one_too_far(subject, tmp_path):
+def test_eva_finds_an_index_that_goes_one_too_far(tmp_path):
+    subject = made("tables_integer", tmp_path / "exports")
     source = subject.folder / f"{subject.name}.c"
     changed(source, "cell[k] = x >> 16;", "cell[k] = (x >> 16) + 1u;")
     (tmp_path / "eva").mkdir()

@@ -40,7 +40,6 @@ def test_one_wrong_bit_in_a_table_gives_another_hash(row):
     source = row.job.folder / "tripod.c"
     text = source.read_text()
     found = re.search(r"(\d+),\s*\};", text)
-    assert found is not None
     source.write_text(f"{text[: found.start(1)]}{int(found[1]) ^ 1}{text[found.end(1) :]}")
     job, wanted = row.asked(ON["m4f"])
     assert execute(replace(job, counted=1), ON["m4f"], "-Os").hash != wanted
@@ -83,7 +82,6 @@ def test_the_pages_show_the_committed_counts(tmp_path, monkeypatch):
 def test_a_report_tells_the_counts_of_just_the_export_that_was_counted():
     export = cases.of_recipe("paper_two", "contacts")
     told = facts.counted(export)
-    assert told is not None
     known = baseline.load()["rows"]["paper_two"]["m4f -O2"]["at"]
     assert [
         [one["median"], one["max"], one["stack"]]

@@ -1,18 +1,14 @@
 """Driving: the paper's percentages point by point, lag, rates, turning, and what is refused."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
-from lutgen.channels import body_gravity
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
-from lutgen.recipe.recipe import Recipe, parse_recipe
-from lutgen.search.driving import Drive, drive
-from lutgen.search.optima import optimum
-from lutgen.search.terrain import Path, along, paper_path, turned
+from lutgen.recipe.recipe import parse_recipe
+from lutgen.search import along, drive, optimum, paper_path, turned
 from tests.fixtures.recipes import feet, rigid
 
 NOMINAL = [math.atan(0.6)] * 2
@@ -21,26 +17,17 @@ FLAT = along([[0, 0, 0], [4, 0, 0], [8, 0, 0], [12, 0, 0], [12.5, 0, 0]])
 LEFT = [*range(8), *range(11, 23), 30, 31]
 
 
-@pytest.fixture
-def robot(two: Recipe) -> Recipe:
-    """Return the paper's robot, which is turned on its path by 30 deg to the left."""
-    return two
-
-
-def paper(points: int = 100) -> Path:
+def paper(points=100):
+    """Return the paper's path, on which its robot is turned by 30 deg to the left."""
     return turned(paper_path(points), math.pi / 6.0)
 
 
-def at(run: Drive) -> list[int]:
-    """Return the points at which a run tips over."""
+def at(run):
     return np.flatnonzero(run.tips).tolist()
 
 
-# The paper's simulation
-
-
-def test_without_control_the_robot_tips_over_at_72_of_100_points(robot: Recipe) -> None:
-    run = drive(robot, paper(), control=False, params0=NOMINAL)
+def test_without_control_the_robot_tips_over_at_72_of_100_points(two):
+    run = drive(two, paper(), control=False, params0=NOMINAL)
     # The edge from P1 to P3 is 10 from the com, 30 deg off the heading; dz/dx by the power rule.
     s = run.path.position[:, 0]
     slope = 15.0 * (np.sin(2.0 * s) / s - (np.sin(s) / s) ** 2)
@@ -50,54 +37,49 @@ def test_without_control_the_robot_tips_over_at_72_of_100_points(robot: Recipe) 
     assert (run.params == NOMINAL).all()
 
 
-def test_with_control_it_tips_over_at_22(robot: Recipe) -> None:
-    run = drive(robot, paper(), params0=NOMINAL)
+def test_with_control_it_tips_over_at_22(two):
+    run = drive(two, paper(), params0=NOMINAL)
     assert at(run) == LEFT
     assert run.evaluations == 150 * 99
 
 
-def test_right_ends_give_24_without_lag_23_and_in_the_attitude_of_the_ground_28(
-    robot: Recipe,
-) -> None:
+def test_right_ends_give_24_without_lag_23_and_in_the_attitude_of_the_ground_28(two):
     for options, tips in (({}, 24), ({"lag": 0}, 23), ({"convention": "body"}, 28)):
-        run = drive(robot, paper(), params0=NOMINAL, ends="right", **options)  # type: ignore[arg-type]
+        run = drive(two, paper(), params0=NOMINAL, ends="right", **options)
         assert run.tips.sum() == tips
 
 
-# What a run is
-
-
-def test_a_run_is_the_verdict_of_the_attitudes_that_the_robot_takes(robot: Recipe) -> None:
-    run = drive(robot, paper(20), params0=NOMINAL, headings=3)
+def test_a_run_is_the_verdict_of_the_attitudes_that_the_robot_takes(two):
+    run = drive(two, paper(20), params0=NOMINAL, headings=3)
     taken = turned(run.path, run.turn)
-    down = body_gravity(robot, run.params, taken.gravity, "plane")
+    down = body_gravity(two, run.params, taken.gravity, "plane")
     np.testing.assert_array_equal(run.gravity_body, down)
     np.testing.assert_array_equal(run.heading, taken.heading)
-    exact = evaluate_each(robot, run.params, down, ["sdg", "height", "tip_angle", "margin"])
+    exact = evaluate_each(two, run.params, down, ["sdg", "height", "tip_angle", "margin"])
     assert list(run.channels) == list(exact)
     for name, values in exact.items():
         np.testing.assert_array_equal(run.channels[name], values)
     np.testing.assert_array_equal(run.tips, exact["tip_angle"] < 0.0)
     # A lag longer than the path is no control, and equal ground is searched once.
-    late = drive(robot, paper(5), lag=5, params0=NOMINAL)
+    late = drive(two, paper(5), lag=5, params0=NOMINAL)
     assert (late.params == NOMINAL).all()
-    assert (late.evaluations, drive(robot, FLAT, lag=0).evaluations) == (0, 150)
+    assert (late.evaluations, drive(two, FLAT, lag=0).evaluations) == (0, 150)
 
 
-def test_control_takes_what_the_search_finds_for_the_point_before(robot: Recipe) -> None:
+def test_control_takes_what_the_search_finds_for_the_point_before(two):
     path = paper(7)
-    run = drive(robot, path, params0=NOMINAL, method="nelder-mead", objective="tip_angle")
+    run = drive(two, path, params0=NOMINAL, method="nelder-mead", objective="tip_angle")
     assert (run.params[0] == NOMINAL).all()
     for i in range(6):
-        found = optimum(robot, path.gravity[i], "nelder-mead", "tip_angle", convention="plane")
+        found = optimum(two, path.gravity[i], "nelder-mead", "tip_angle", convention="plane")
         np.testing.assert_array_equal(run.params[i + 1], found.params)
 
 
 @pytest.mark.parametrize("lag", [1, 3])
-def test_lag_shifts_what_control_does(robot: Recipe, lag: int) -> None:
+def test_lag_shifts_what_control_does(two, lag):
     path = paper(12)
-    at_once = drive(robot, path, lag=0, headings=3)
-    late = drive(robot, path, lag=lag, headings=3)
+    at_once = drive(two, path, lag=0, headings=3)
+    late = drive(two, path, lag=lag, headings=3)
     np.testing.assert_array_equal(late.params[lag:], at_once.params[:-lag])
     np.testing.assert_array_equal(late.turn[lag:], at_once.turn[:-lag])
     # Before that the middle of the ranges, and no turn.
@@ -107,13 +89,10 @@ def test_lag_shifts_what_control_does(robot: Recipe, lag: int) -> None:
     assert len(np.unique(at_once.turn)) > 1
 
 
-# Rates
-
-
-def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None:
+def test_a_limited_parameter_goes_there_as_fast_as_it_can(two):
     rates = {"alpha": math.radians(2.0)}
     start = np.radians([20.0, 20.0])
-    run = drive(robot, FLAT, params0=start, rates=rates, speed=2.0, lag=0)
+    run = drive(two, FLAT, params0=start, rates=rates, speed=2.0, lag=0)
     # 2 deg/s at 2 per second and steps of 4, 4, 4 and 0.5: 4, 4, 4 and 0.5 deg each.
     np.testing.assert_allclose(np.degrees(run.params[:, 0]), [20, 24, 28, 30.9568, 30.9568])
     # gamma has no limit, and follows at once.
@@ -124,14 +103,11 @@ def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None
     assert run.channels["sdg"][3] < 0.001
 
 
-# Turning
-
-
-def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
+def test_a_long_robot_turns_its_long_side_to_the_slope():
     # Four times as long as wide: it stands lengthwise on 30 deg, not across.
     text = feet([(2, 0.5, -1), (2, -0.5, -1), (-2, 0.5, -1), (-2, -0.5, -1)])
     path = along([[0, 0, 0], [0, 1, math.tan(math.radians(30.0))]], heading=[0.0, 0.0])
-    options: dict[str, Any] = {"control": False, "lag": 0, "objective": "tip_angle"}
+    options = {"control": False, "lag": 0, "objective": "tip_angle"}
     recipe = parse_recipe(rigid(text))
     assert drive(recipe, path, **options).share == 1.0
     run = drive(recipe, path, headings=4, **options)
@@ -143,10 +119,7 @@ def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
     np.testing.assert_allclose(run.channels["tip_angle"], math.asin(sine))
 
 
-# What is refused
-
-
-def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
+def test_what_makes_no_sense_is_refused(two):
     for options, said in (
         ({"method": "guess"}, "unknown method 'guess'"),
         ({"speed": 1.0}, "need a speed, and a speed needs rates"),
@@ -154,7 +127,7 @@ def test_what_makes_no_sense_is_refused(robot: Recipe) -> None:
         ({"rates": {"beta": 1.0}, "speed": 1.0}, "no parameter 'beta' to limit"),
     ):
         with pytest.raises(InputError) as caught:
-            drive(robot, FLAT, **options)  # type: ignore[arg-type]
+            drive(two, FLAT, **options)
         assert said in str(caught.value)
     rigid_one = parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
     with pytest.raises(InputError, match="no geometry parameter"):

@@ -20,7 +20,6 @@ class Counted:
         self.rows = []
 
     def __call__(self, points):
-        """Return the costs."""
         self.rows.extend(points.copy())
         return self.function(points)
 
@@ -81,7 +80,6 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
 
 
 def tent(points):
-    """Return |x| + 2 |y|."""
     return np.asarray(np.abs(points) @ [1.0, 2.0][: points.shape[1]])
 
 

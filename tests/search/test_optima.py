@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels import acceptance_of
-from lutgen.channels.evaluation import evaluate_each
+from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.search.methods import multistart, refine
@@ -23,7 +22,6 @@ TILTED = [0.4, 0.3, -1.0]
 
 
 def geometries(count=400):
-    """Return random geometries of `tripod`."""
     return np.random.default_rng(4).uniform([0.0, -0.69], [0.6, 0.87], (count, 2))
 
 
@@ -211,9 +209,6 @@ def test_a_parameter_with_equal_bounds_keeps_its_value(two, method):
     assert all(
         (step.params[1] == kept) and (step.nodes[:, 1] == kept).all() for step in found.trace
     )
-
-
-# Global optima
 
 
 BOX = np.array([[-180.0, 180.0], [-180.0, 180.0]])

@@ -18,11 +18,7 @@ BY_HEADING = {0: (-SIN, 0, -COS), 90: (0, SIN, -COS), 180: (SIN, 0, -COS), 270: 
 
 
 def on_slope(xy):
-    """Return points (p, 3) of the slope above (p, 2)."""
     return np.column_stack([xy, xy[:, 0] * math.tan(SLOPE)])
-
-
-# The paper's path
 
 
 def test_the_papers_path_has_its_equations_and_no_gap_at_zero():
@@ -45,9 +41,6 @@ def test_the_papers_slopes_are_those_of_its_own_points():
     expected /= np.linalg.norm(expected, axis=1)[:, None]
     np.testing.assert_allclose(path.gravity[1:-1], expected[1:-1], atol=1e-6)
     assert (path.heading == 0.0).all()
-
-
-# Attitudes
 
 
 @pytest.mark.parametrize("heading", BY_HEADING)
@@ -96,9 +89,6 @@ def test_a_wall_is_as_steep_as_a_wall_and_the_heading_before_it_holds():
     np.testing.assert_allclose(side.gravity, [[0, 1, 0]] * 2, atol=1e-15)
 
 
-# Turning
-
-
 @given(
     slope=st.floats(0.0, 1.5),
     fall=st.floats(-3.0, 3.0),
@@ -121,8 +111,6 @@ def test_a_turned_robot_has_the_gravity_of_its_new_heading(slope, fall, heading,
     np.testing.assert_allclose(turned(there, -turn).gravity, path.gravity, atol=1e-14)
 
 
-# What is refused
-
 TWO = [[0, 0, 0], [1, 0, 0]]
 
 
@@ -135,9 +123,6 @@ def test_what_is_no_path_is_refused():
         with pytest.raises(InputError) as caught:
             along(**arguments)
         assert said in str(caught.value)
-
-
-# Files
 
 
 def written(folder, text):

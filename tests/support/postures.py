@@ -6,8 +6,8 @@ import numpy as np
 
 from lutgen.channels.measuring import measure_postures
 from lutgen.support import FACETS, SHOWN, acceptance, empty_region, stand
-from tests.oracles.primitives import Floats, size_of, unit
-from tests.oracles.standing import Limits, Standing, facets_of
+from tests.oracles.primitives import size_of, unit
+from tests.oracles.standing import Limits, facets_of
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 FAMILIES = ("points", "mixed", "cars", "leaning")
@@ -15,9 +15,7 @@ CHANNELS = ("status", "tip_angle", "sdg", "height")
 EXACT = ("rectangle", "rows", "polygon", "repeated", "in line", "on an edge", "all but flat")
 
 
-def rows_of(
-    centre: Floats, axis: Floats | None = None, radius: object = 0.0, kind: object = POINT
-) -> Floats:
+def rows_of(centre, axis=None, radius=0.0, kind=POINT):
     """Return primitives (n, 8)."""
     rows = np.zeros((len(centre), 8))
     rows[:, :3], rows[:, 6], rows[:, 7] = centre, radius, kind
@@ -26,15 +24,13 @@ def rows_of(
     return rows
 
 
-def limits_of(rows: Floats) -> Limits:
+def limits_of(rows):
     """Return the limits that a recipe has if it says nothing."""
     size = size_of(rows)
     return Limits(math.radians(80.0), math.radians(30.0), 0.01 * size, 1e-4 * size)
 
 
-def read(
-    rows: Floats, g: Floats, channels: tuple[str, ...] = CHANNELS, limits: Limits | None = None
-) -> dict[str, Floats]:
+def read(rows, g, channels=CHANNELS, limits=None):
     """Return the channels (g,) of one posture, by default with the limits of `limits_of`."""
     limits = limits or limits_of(rows)
     accept = acceptance(*limits[:2], 0.0, *limits[2:])
@@ -42,7 +38,7 @@ def read(
     return {name: values[0] for name, values in found.items()}
 
 
-def drawn(family: str, rng: np.random.Generator) -> Floats:
+def drawn(family, rng):
     """Return a posture of 3 to 12 primitives."""
     n = int(rng.integers(3, 13))
     centre = rng.uniform([-1.0, -0.7, -0.6], [1.0, 0.7, -0.3], (n, 3))
@@ -58,7 +54,7 @@ def drawn(family: str, rng: np.random.Generator) -> Floats:
     return rows_of(centre, lean, np.where(kind == POINT, 0.0, radius), kind)
 
 
-def exact(family: str, rng: np.random.Generator) -> Floats:
+def exact(family, rng):
     """Return a posture with contacts in one plane or line, or at one place, in any order."""
     n, half = int(rng.integers(4, 9)), np.round(rng.uniform(0.1, 0.6, 2), 2)
     square = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
@@ -86,7 +82,7 @@ def exact(family: str, rng: np.random.Generator) -> Floats:
     return np.asarray(rows[rng.permutation(len(rows))])
 
 
-def assert_every_facet_once(rows: Floats, upright: float) -> None:
+def assert_every_facet_once(rows, upright):
     """Demand that lutgen finds the support facets within `upright` (deg) that the oracle does."""
     region, least = empty_region(), math.cos(math.radians(upright))
     stand(region, rows, acceptance(math.radians(upright), 0.5))
@@ -99,14 +95,13 @@ def assert_every_facet_once(rows: Floats, upright: float) -> None:
         assert np.abs(found - normal).max(axis=1).min() < 1e-8
 
 
-def below(rng: np.random.Generator, count: int) -> Floats:
-    """Return unit directions below the horizon."""
+def below(rng, count):
     g = rng.normal(size=(count, 3))
     g[:, 2] = -np.abs(g[:, 2]) - 0.3
     return unit(g)
 
 
-def asked(standing: Standing, count: int, rng: np.random.Generator) -> Floats:
+def asked(standing, count, rng):
     """Return unit directions: anywhere below, on edges and in gaps, and beside the boundary."""
     tilt, way = (
         np.arccos(rng.uniform(math.cos(math.radians(75.0)), 1.0, count)),

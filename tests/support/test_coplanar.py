@@ -29,7 +29,6 @@ LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 
 def points(*feet):
-    """Return contacts one after the other (n, 3)."""
     return np.concatenate([np.asarray(one, float) for one in feet])
 
 

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 import lutgen
 from lutgen.errors import InputError
-from tests.fixtures.recipes import ALL_CHANNELS, contact, feet, rigid
+from lutgen.quantities import CHANNELS
+from tests.fixtures.recipes import contact, feet, rigid
 from tests.oracles.primitives import norm, unit
 
 LENGTHS = ("sdg", "height", "margin", "energy_margin")
@@ -49,8 +50,8 @@ def directions(seed, count):
 
 def judged(contacts, gravity, limits=LIMITS):
     """Return all channels (g,) of one posture (n, 3)."""
-    got = lutgen.stability(contacts[None], gravity, ALL_CHANNELS, *(limits or (None, None)))
-    return {name: got[name][0] for name in ALL_CHANNELS}
+    got = lutgen.stability(contacts[None], gravity, CHANNELS, *(limits or (None, None)))
+    return {name: got[name][0] for name in CHANNELS}
 
 
 def assume_steady(contacts, gravity):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.fixtures.length import LONG
-from tests.oracles.primitives import Floats, size_of
+from tests.oracles.primitives import size_of
 from tests.oracles.standing import ROCKS, TIPS, Standing
 from tests.support.postures import EXACT, FAMILIES, asked, drawn, exact, limits_of, read
 
@@ -24,11 +24,11 @@ SHORT = math.radians(1e-4), math.radians(0.3), math.radians(3.0)
 class Compared(NamedTuple):
     """Readings of the oracle and of lutgen (4, k); angles to the boundary, gaps, levers."""
 
-    truth: Floats
-    found: Floats
-    away: Floats
-    gaps: Floats
-    lever: Floats
+    truth: np.ndarray
+    found: np.ndarray
+    away: np.ndarray
+    gaps: np.ndarray
+    lever: np.ndarray
 
 
 @cache

@@ -26,7 +26,6 @@ def angle(text):
 
 
 def limit(text):
-    """Limit (rad) of a cell in deg, None for "none"."""
     return None if text == "none" else radians(float(text))
 
 
@@ -58,7 +57,6 @@ def test_recipe_of_the_papers_robot_gives_its_stability_factor_and_its_height():
 
 
 def absolem_feet(row):
-    """Four feet (4, 3) of the Absolem rectangle, relative to the com."""
     half = np.array([float(row["half_length"]), float(row["half_width"])])
     com = np.array([float(row["com_x"]), float(row["com_y"])])
     corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) * half - com

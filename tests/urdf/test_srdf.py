@@ -41,7 +41,6 @@ def quadruped(thigh=0.3, shank=0.3):
 
 
 def state(name, hip, knee, more=""):
-    """Return a <group_state> of all legs."""
     values = "".join(
         f'<joint name="{leg}_hip" value="{hip}"/><joint name="{leg}_knee" value="{knee}"/>'
         for leg in LEGS
@@ -50,14 +49,12 @@ def state(name, hip, knee, more=""):
 
 
 def srdf(*states):
-    """Return a whole SRDF."""
     head = '<?xml version="1.0"?>\n<robot name="quadruped"><group name="all"/>'
     return f"{head}{''.join(states)}</robot>"
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Return a folder with the quadruped and an SRDF, made the working folder."""
     (tmp_path / "dog.urdf").write_text(quadruped(), encoding="utf-8")
     free = '<joint name="root_joint" value="0 0 1 0 0 0 1"/>'
     text = srdf(state("sit", 1.2, -2.4), state("standing", 0.6, -1.2, free))
@@ -67,7 +64,6 @@ def folder(tmp_path, monkeypatch):
 
 
 def imported(*more):
-    """Return the report of an import to `dog.toml`."""
     return data("import", "dog.urdf", "-o", "dog.toml", "--force", *more)
 
 
@@ -185,7 +181,6 @@ def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name
     for name in ("dog.srdf", "d.srdf"):
         (file.parent / place / name).touch()
     found = srdf_beside(file)
-    assert found is not None
     assert found.name == "dog.srdf"
 
 

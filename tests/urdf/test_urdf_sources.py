@@ -21,6 +21,7 @@ from tests.fixtures.robots import broken
 SHARE = VECTORS / "xacro" / "share"
 ROBOTS = VECTORS / "xacro" / "robots"
 NAMES = ("wheels_common", "legs_description", "arm_description")
+PACKAGES = {name: SHARE / name for name in NAMES}
 GIVEN = [part for name in NAMES for part in ("--package", f"{name}={SHARE / name}")]
 # Mass in kg and moving joints, by hand from the macros.
 EXPECTED = {
@@ -36,7 +37,6 @@ EXPECTED = {
 
 @pytest.fixture(autouse=True)
 def no_ros(monkeypatch):
-    """Take the variables of an installed ROS away."""
     for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_ROOT"):
         monkeypatch.delenv(name, raising=False)
 
@@ -47,7 +47,7 @@ def test_files_are_imported_with_their_packages_given(name, tmp_path):
     report = json.loads(good("import", "-x", file, "-o", recipe, *GIVEN, "--json"))
     mass, joints = EXPECTED[name]
     assert report["mass"] == pytest.approx(mass, rel=1e-12)
-    robot = load_xacro(file, {package: SHARE / package for package in NAMES})
+    robot = load_xacro(file, PACKAGES)
     assert sum(joint.kind != "fixed" for joint in robot.joints) == joints
     assert lutgen.load_recipe(recipe).name == name
 
@@ -76,10 +76,8 @@ def test_without_them_the_environment_or_the_folders_above_are_enough_or_a_sente
 
 
 def test_arguments_choose_what_conditionals_leave(tmp_path):
-    packages = {name: SHARE / name for name in NAMES}
-
     def links(name, **arguments):
-        found = load_xacro(ROBOTS / f"{name}.xacro", packages, arguments)
+        found = load_xacro(ROBOTS / f"{name}.xacro", PACKAGES, arguments)
         return {link.name for link in found.links}
 
     assert links("six_wheels") - links("six_wheels", wheels="4") == {"ml", "mr"}
@@ -164,16 +162,10 @@ def test_a_macro_that_fails_is_refused_with_its_cause(tmp_path):
 
 
 def stand(file):
-    """Import the quadruped as an SRDF file says that it stands."""
     robot = load_urdf(VECTORS / "quadruped.urdf")
     found = load_srdf(file, robot)
     name = found.standing()
     import_urdf(robot, posture=found.posture(name) if name else None)
-
-
-def expand(file):
-    """Import a xacro file."""
-    import_urdf(load_xacro(file, {name: SHARE / name for name in NAMES}))
 
 
 @pytest.mark.parametrize(
@@ -181,7 +173,11 @@ def expand(file):
     [
         ((VECTORS / "rover.urdf").read_text(), lambda file: import_urdf(load_urdf(file)), 200),
         ((VECTORS / "quadruped.srdf").read_text(), stand, 100),
-        ((ROBOTS / "crane.xacro").read_text(), expand, 60),
+        (
+            (ROBOTS / "crane.xacro").read_text(),
+            lambda file: import_urdf(load_xacro(file, PACKAGES)),
+            60,
+        ),
     ],
     ids=["urdf", "srdf", "xacro"],
 )
