@@ -69,15 +69,31 @@ def test_cars_of_two_rim_wheels_tip_at_45_deg_for_noise_from_1_um_to_5_mm():
     assert limits.min() > 40.0
 
 
+def test_a_noisy_second_rim_costs_no_more_than_an_exact_one():
+    noisy, exact = (lutgen.parse_recipe(articulated(noise)) for noise in (1e-4, 0.0))
+    rng = np.random.default_rng(1)
+    low = np.array([p.minimum for p in exact.parameters])
+    high = np.array([p.maximum for p in exact.parameters])
+    params = low + (high - low) * rng.random((100, 2))
+    cosine, turn = rng.uniform(0.5, 1.0, 200), rng.uniform(0.0, 2.0 * np.pi, 200)
+    sine = np.sqrt(1.0 - cosine**2)
+    down = np.stack([sine * np.cos(turn), sine * np.sin(turn), -cosine], axis=1)
+    with_noise, without = (
+        lutgen.evaluate(recipe, params, down)["tip_angle"] for recipe in (noisy, exact)
+    )
+    safe = without >= 0.0
+    assert 0.2 < safe.mean() < 0.95
+    assert (with_noise[safe] < 0.0).mean() <= 1e-3
+    both = safe & (with_noise >= 0.0)
+    apart = np.degrees(np.abs(with_noise - without)[both])
+    assert np.percentile(apart, 90) <= 0.1
+
+
 def test_discs_on_one_axle_are_put_on_one_line_with_one_radius_and_check_says_so(tmp_path):
     exact = lutgen.parse_recipe(articulated(0.0))
     assert exact.snapped == ()
     assert exact.contacts[-1].position == (0.45, -0.27, -0.15)
     recipe = lutgen.parse_recipe(articulated(1e-4))
-    for one, plain in zip(recipe.contacts, exact.contacts, strict=True):
-        # By no more than the noise, 1e-4 in each coordinate.
-        off = [*np.subtract(one.position, plain.position), one.radius - plain.radius]
-        assert np.abs([*off, *np.subtract(one.axis, plain.axis)]).max() < 2e-4
     rear = [c for c in recipe.contacts if c.link == "body"]
     assert len(rear) == 4
     assert len({one.radius for one in rear}) == 1
