@@ -12,8 +12,11 @@ from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan_part, scratch_for
 from lutgen.chart import Chart
 from lutgen.quantities import CHANNELS
+from lutgen.recipe import start_recipe
 from lutgen.support import TIPS, acceptance, pack
+from tests.fixtures.commands import data, stdout
 from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
 
 FAST = ("sdg", "height", "tip_angle", "facet", "status")
 VERDICT = ("sdg", "tip_angle")
@@ -216,3 +219,31 @@ def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(x, y, height, nod
     u = chart.coords * height
     inside = (np.abs(u)[:, None] <= y) & (x[0] <= u) & (u <= x[1])
     np.testing.assert_array_equal(stands[0], inside.ravel())
+
+
+BODY = '[[robot.link]]\nname = "body"\nmass = 1.0\ncom = [0.02, -0.01, 0.85]\n'
+FEET = feet([(x, y, -0.1) for x in (-0.35, 0.35) for y in (-0.1, 0.1)])
+BOX = rigid(BODY + FEET, nodes=9, max_tilt=60.0)
+EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
+ARM = ["-p", "swing=-120", "-p", "shoulder=15", "-p", "elbow=-20"]
+
+
+@pytest.mark.parametrize(
+    ("text", "posture", "gravity", "tip"),
+    [
+        (BOX, [], "0,0.4330127018922192,-1", -16.8),
+        (start_recipe("arm"), ARM, "0,-0.541265877365,-1", -2.88),
+        # Its com is exactly above an edge.
+        (EDGE, [], "0,0,-1", 0.0),
+    ],
+    ids=["box", "arm", "edge"],
+)
+def test_a_map_says_whether_a_robot_tips_as_its_recipe_does(tmp_path, text, posture, gravity, tip):
+    recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
+    recipe.write_text(text)
+    lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    for source in (recipe, stability_map):
+        found = data("eval", source, *posture, "-g", gravity, code=3 if tip else 0)
+        assert found["tip_angle_deg"] == pytest.approx(tip, abs=0.1 if tip else 1e-6)
+    if not tip:
+        assert "tips over on level ground" not in stdout("limits", recipe)
