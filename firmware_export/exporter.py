@@ -7,13 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify.answers import device
-from firmware_export.certify.certificate import POINTS, SEED, Certificate, certify, put_to_test
-from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose
+from firmware_export.certify.certificate import POINTS, SEED, Certificate, bounded
+from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, examine
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
-from firmware_export.model import Model
+from firmware_export.model import Model, uniform
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from lutgen.channels import refuse_forces
@@ -29,6 +28,8 @@ ATTEMPTS = 6
 # Times that a guard is made larger for what a certificate has seen, or a table lowered for what its
 # test has; the largest guard (rad).
 WIDER, LOWERED, WIDEST = 3, 80, 5e-3
+# Points of which a robot must stand at one at least.
+LOOKED = 30_000
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made without a request if nothing reaches the knee.
@@ -162,6 +163,13 @@ def certified(
     bound = None if error is None else parse_error(error)
     model = Model(recipe)
     codecs = usable(model, options.arithmetic, options.codec)
+    sample = uniform(model, LOOKED, SEED)
+    if not (model.exact(*sample).tip_angle >= 0.0).any():
+        raise ExportError(
+            f"{recipe.source}: key `robot.contact`: the export would only ever answer that the "
+            f"robot tips (got none of {sample.points:,} postures and directions in which it "
+            f"stands); {TO_STAND}."
+        )
     progress(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, channels, options.arithmetic)
     nothing = size is None and bound is None
@@ -173,30 +181,19 @@ def certified(
             raise
         bound = None
         chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, progress)
-    _refuse_useless(certificate, chosen, model.recipe.source)
-    result = certificate.as_dict() | {
-        "error_percent": certificate.error_of(trials.bounded[0], relative=True),
-        "bound": None if bound is None else str(bound),
-        "candidates": len(trials.tried),
-    }
-    return replace(chosen.export, certificate=result)
-
-
-def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:
-    """Refuse an export whose robot stands nowhere, or that says of most of what stands it tips."""
-    if certificate.standing == 0:
-        raise ExportError(
-            f"{source}: key `robot.contact`: the export would only ever answer that the robot "
-            f"tips (got none of {certificate.points:,} postures and directions in which it "
-            f"stands); {TO_STAND}."
-        )
     if certificate.false_tip > USELESS:
         raise ExportError(
-            f"{source}: the export would report too much of what stands as unsafe (got "
+            f"{recipe.source}: the export would report too much of what stands as unsafe (got "
             f"{100.0 * certificate.false_tip:.3g} % for {chosen.label}, more than "
             f"{100.0 * USELESS:.0f} %); allow more flash, narrow the parameters, or choose another "
             "--codec."
         )
+    result = certificate.as_dict() | {
+        "error_percent": certificate.error_of(bounded(channels)[0], relative=True),
+        "bound": None if bound is None else str(bound),
+        "candidates": len(trials.tried),
+    }
+    return replace(chosen.export, certificate=result)
 
 
 def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python: bool) -> Recipe:
@@ -243,7 +240,7 @@ def _certified(
     progress: Callable[[str], None],
 ) -> tuple[Candidate, Certificate]:
     """Return the best candidate whose certificate meets the request, and that."""
-    goal = Goal(size, _percent(trials, bound))
+    goal = Goal(size, bound)
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         progress(f"certifying {chosen.label}, {chosen.total:,} bytes")
@@ -285,22 +282,3 @@ def guarded(
         export = replace(export, tables=tables)
         certificate = examine(export, trials, bound, points, SEED + attempt)
     return export, certificate
-
-
-def examine(
-    export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
-) -> Certificate:
-    """Certify one export."""
-    reader = device(export)
-    if export.tables.tested:
-        return put_to_test(reader, export.channels, bound, points, seed)
-    cells = export.tables.cells(export.model)
-    return certify(reader, export.channels, cells, bound, points, seed, trials.jump)
-
-
-def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:
-    """Return a bound in percent of the range."""
-    if bound is None or bound.relative:
-        return None if bound is None else bound.value
-    span = trials.ranges[trials.bounded[0]]
-    return 100.0 * bound.value / span if span > 0.0 else KNEE.value

@@ -74,7 +74,7 @@ class Certificate:
 
         In percent of its range, or in its unit.
         """
-        name = judged_by(channel, self.jumps)
+        name = "p99" if self.jumps and channel != "tip_angle" else "max"
         return self.channels[channel][f"{name}_percent" if relative else name]
 
     def error(self, relative: bool) -> float:
@@ -102,11 +102,6 @@ class Certificate:
 def bounded(channels: Iterable[str]) -> tuple[str, ...]:
     """Return the channels that a bound is for: lengths, or the tip angle where it is alone."""
     return tuple(name for name in channels if name != "tip_angle") or ("tip_angle",)
-
-
-def judged_by(channel: str, jumps: bool) -> str:
-    """Return which of the `statistics` is compared with a bound."""
-    return "p99" if jumps and channel != "tip_angle" else "max"
 
 
 def _entry(
@@ -249,7 +244,7 @@ def put_to_test(
         channels=table,
         false_safe=len(q),
         false_tip=refused / max(standing, 1),
-        jumps=has_sdg,
+        jumps=len(channels) > 1,
         beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if has_sdg else None,
         seed=seed,
         text=_about_test(every["tip_angle off"], tested),

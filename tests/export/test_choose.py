@@ -14,6 +14,7 @@ from firmware_export import choose as chooser
 from firmware_export.choose import Candidate, Goal, Trials, choose
 from firmware_export.codecs import codec, named, usable
 from firmware_export.model.exact import Model
+from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import rover, tripod
@@ -77,28 +78,33 @@ class Paper(Trials):
     def try_out(self, codec, spec):
         """Return the formula's candidate."""
         if (codec, spec) not in self.tried:
-            size, error = codec.size(spec), {"sdg": codec.error(spec)}
+            size, error = codec.size(spec), codec.error(spec)
             export = SimpleNamespace(codec=codec.name, tables=SimpleNamespace(spec=spec))
             given_up = codec.false_tip(spec)
-            self.tried[codec, spec] = Candidate(export, size + CODE, error, given_up, 0)
+            measured = SimpleNamespace(error=lambda relative: error, false_tip=given_up)
+            self.tried[codec, spec] = Candidate(export, size + CODE, measured)
         return self.tried[codec, spec]
 
 
+def goal(flash, percent):
+    return Goal(flash, None if percent is None else ErrorBound(percent, relative=True))
+
+
 def best(formula, flash, percent):
-    return choose(Paper(), [formula], Goal(flash, percent))
+    return choose(Paper(), [formula], goal(flash, percent))
 
 
 def best_grid(trials, flash, percent):
     """Return the best candidate of the codec `grid` that holds the robot."""
     codecs = usable(trials.model, trials.arithmetic, "grid")
-    return choose(trials, codecs, Goal(flash, percent))
+    return choose(trials, codecs, goal(flash, percent))
 
 
 def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
     for percent in (20.0, 5.0, 2.0, 1.0, 0.3):
         paper, formula = Paper(), Formula()
-        found = choose(paper, [formula], Goal(None, percent))
-        holding = [one for one in formula.sizes() if formula.error(one) <= percent / 1.3]
+        found = choose(paper, [formula], goal(None, percent))
+        holding = [one for one in formula.sizes() if formula.error(one) <= percent / Goal.margin]
         assert found.total == min(map(formula.size, holding)) + CODE, percent
         assert len(paper.tried) <= 8
 
@@ -106,13 +112,13 @@ def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
 def test_of_two_codecs_the_better_is_chosen():
     codecs = [Formula("contacts", weights=(0.2, 0.05, 0.01)), Formula()]
     for order in (codecs, codecs[::-1]):
-        assert choose(Paper(), order, Goal(None, 1.0)).export.codec == "contacts"
+        assert choose(Paper(), order, goal(None, 1.0)).export.codec == "contacts"
 
 
 def test_both_limits_hold_or_the_error_names_the_nearest():
     found = best(Formula(), 10_000, 2.0)
     assert found.total <= 10_000
-    assert found.error <= 2.0 / 1.3
+    assert found.certificate.error(True) <= 2.0 / Goal.margin
     with pytest.raises(ExportError, match="smallest there is"):  # code counts as flash
         best(Formula(), CODE, None)
     with pytest.raises(ExportError) as caught:
@@ -133,8 +139,8 @@ def test_an_export_that_gives_up_little_goes_before_a_smaller_one():
     # Where all give up much, the one that gives up least.
     paper = Paper()
     much = Formula(false_tip=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
-    found = choose(paper, [much], Goal(None, 5.0))
-    holding = [one for one in paper.tried.values() if one and one.error <= 5.0 / 1.3]
+    found = choose(paper, [much], goal(None, 5.0))
+    holding = [one for one in paper.tried.values() if goal(None, 5.0).holds(one)]
     assert found.false_tip == min(one.false_tip for one in holding)
 
 
@@ -159,7 +165,7 @@ def robot_of(text):
 @pytest.fixture
 def wheels(monkeypatch):
     """Return a function that makes a bench of four wheels, one of which lifts off."""
-    monkeypatch.setattr(chooser, "POINTS", 6_000)
+    monkeypatch.setattr(chooser, "POINTS", 12_000)
 
     def make(*channels, arithmetic="integer"):
         return Trials(robot_of(rover()), "rover", channels, arithmetic)
@@ -173,7 +179,8 @@ def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is
     found = best_grid(bench, 6_000, 30.0)
     assert len(bench.tried) == 1
     assert 5_000 < found.total <= 6_000
-    assert Goal(6_000, 30.0).holds(found)
+    assert goal(6_000, 30.0).holds(found)
+    assert goal(None, 90.0).holds(best_grid(wheels("tip_angle", "height"), 6_000, 90.0))
     with pytest.raises(ExportError, match=r"6,000 bytes of flash and an error of 0.1 %.*nearest"):
         best_grid(bench, 6_000, 0.1)
 
@@ -188,6 +195,6 @@ def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):
     grid = codec("grid")
     monkeypatch.setattr(grid, "encode", encode)
     with pytest.raises(ExportError, match="no codec could encode the robot") as caught:
-        choose(bench, [grid], Goal(8_000, None))
+        choose(bench, [grid], goal(8_000, None))
     assert "grid: tripod.toml: its region has too many pieces; choose another)" in str(caught.value)
     assert str(caught.value).startswith(f"{place}: no codec")

@@ -221,7 +221,7 @@ def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(tmp_
     # float32 of two channels: 10 to the 14 bytes and more.
     assert 8 * recipe.grid.size * math.prod(recipe.chart.shape) > 1e14
     # Candidates are compared on a fifth of the points: what is chosen is certified anyway.
-    monkeypatch.setattr(choose, "POINTS", 3000)
+    monkeypatch.setattr(choose, "POINTS", 6000)
     tracemalloc.start()
     try:
         report = run(tmp_path / "out", recipe)
