@@ -142,8 +142,8 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     With a bound that is the first that is accurate enough; else the last that fits.
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
-    most = ceiling - code_bytes(codec.families[trials.arithmetic])
-    sizes = codec.sizes(trials.model, trials.channels, most)
+    # Of the codecs a trained table alone asks how many bytes it may have.
+    sizes = codec.sizes(trials.model, trials.channels, ceiling - code_bytes("grid"))
 
     def larger(spec: Any) -> bool:
         """Return True if sizes beyond this one are of use."""

@@ -50,31 +50,6 @@ class ExportOptions:
     points: int = field(default_factory=lambda: POINTS)
 
 
-class Report(dict[str, Any]):
-    """The content of NAME_report.json, with the numbers most used as attributes."""
-
-    @property
-    def bytes(self) -> int | None:
-        """Bytes of flash in all, None where the code was not measured."""
-        return self["bytes"]["total"]  # type: ignore[no-any-return]
-
-    @property
-    def table_bytes(self) -> int:
-        """Bytes of the tables alone."""
-        return self["bytes"]["tables"]  # type: ignore[no-any-return]
-
-    @property
-    def guard(self) -> float:
-        """Degrees that are subtracted from the tip angle."""
-        return self["guard_deg"]  # type: ignore[no-any-return]
-
-    @property
-    def error(self) -> float | None:
-        """Percent of the range: largest error of |SD_g|, or p99 where it jumps."""
-        certificate = self["certificate"]
-        return certificate["error_percent"]  # type: ignore[no-any-return]
-
-
 def export(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
     directory: str | os.PathLike[str],
@@ -88,7 +63,7 @@ def export(
     points: int = POINTS,
     progress: Callable[[str], None] | None = None,
     force: bool = False,
-) -> Report:
+) -> dict[str, Any]:
     """Write a map or a recipe as C tables with their runtime.
 
     Parameters
@@ -126,7 +101,7 @@ def export(
 
     Returns
     -------
-    Report
+    dict
         The content of NAME_report.json.
 
     Raises
@@ -143,7 +118,7 @@ def export(
     )
     final = certified(source, options, progress)
     progress("writing")
-    return Report(write(final, directory, progress, force))
+    return write(final, directory, progress, force)
 
 
 def certified(

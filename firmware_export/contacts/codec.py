@@ -8,7 +8,7 @@ without room for an arc of the boundary the pose fails: all of that is safe.
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -232,7 +232,6 @@ class Contacts(Codec):
     """The codec; it has one size, and of a robot given by code one for each error."""
 
     name = "contacts"
-    families: ClassVar = {"float": "points"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""

@@ -7,7 +7,6 @@ wrong positions can turn a tip-over plane (`across`).
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -111,7 +110,6 @@ class Lookup(Codec):
     """The codec; it grows along the parameter whose chords are furthest from their arcs."""
 
     name = "grid"
-    families: ClassVar = {"float": "tables", "integer": "tables_i"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""

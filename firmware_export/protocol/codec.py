@@ -1,10 +1,9 @@
 """Say what a codec is, what it hands over, and what an export of it is: others use only this."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -137,11 +136,10 @@ class Codec(ABC):
     """A way to hold a robot.
 
     Two codecs may share a `name`, by which people call them: then at most one of them holds a given
-    robot.  `families` are those of the runtime for each arithmetic.
+    robot.
     """
 
     name: str
-    families: ClassVar[Mapping[str, str]]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:

@@ -110,7 +110,7 @@ def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path):
     with untried():
         report = export(coded("wheels"), tmp_path / "out", points=1000)
     assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
-    assert report.table_bytes < 330
+    assert report["bytes"]["tables"] < 330
     assert report["certificate"]["false_safe"] == 0
     text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
     assert "#define SMAP_SERIES 1" in text

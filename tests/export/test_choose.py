@@ -5,7 +5,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import ClassVar
 
 import pytest
 
@@ -42,7 +41,6 @@ class Formula:
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     largest: int = 30
     false_tip: Callable[[Spec], float] = lambda spec: 0.0
-    families: ClassVar = {"float": "points"}
 
     def sizes(self, *_):
         """Return sizes, each a node more along the axis that adds most to the error."""
