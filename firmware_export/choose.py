@@ -13,7 +13,6 @@ from typing import Any
 from firmware_export.certify import certificate
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Certificate, certify, put_to_test
-from firmware_export.certify.jumps import largest_jump
 from firmware_export.emit import code_bytes, flash_bytes
 from firmware_export.model import Model
 from firmware_export.protocol import Codec, Export
@@ -81,7 +80,6 @@ class Trials:
         self.channels, self.arithmetic = channels, arithmetic
         self.tried: dict[tuple[Codec, Any], Candidate | None] = {}
         self.refused: dict[str, str] = {}  # by codec what it said last of a size
-        self.jump = largest_jump(model, SEED)
 
     def try_out(self, codec: Codec, spec: Any) -> Candidate | None:
         """Return a candidate, None for a size that the codec cannot encode."""
@@ -90,7 +88,7 @@ class Trials:
             self.tried[key] = None
             try:
                 made = codec.export(self.model, self.name, self.channels, self.arithmetic, spec)
-                measured = examine(made, self, None, POINTS, SEED)
+                measured = examine(made, None, POINTS, SEED)
                 self.tried[key] = Candidate(made, int(flash_bytes(made)["total"]), measured)
             except InputError as error:
                 self.refused[codec.name] = str(error)
@@ -98,18 +96,14 @@ class Trials:
 
 
 def examine(
-    export: Export,
-    trials: Trials,
-    bound: ErrorBound | None,
-    points: int,
-    seed: int = certificate.SEED,
+    export: Export, bound: ErrorBound | None, points: int, seed: int = certificate.SEED
 ) -> Certificate:
     """Certify one export."""
     reader = device(export)
     if export.tables.tested:
         return put_to_test(reader, export.channels, bound, points, seed)
     cells = export.tables.cells(export.model)
-    return certify(reader, export.channels, cells, bound, points, seed, trials.jump)
+    return certify(reader, export.channels, cells, bound, points, seed)
 
 
 def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:

@@ -219,7 +219,7 @@ def _certified(
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         progress(f"certifying {chosen.label}, {chosen.total:,} bytes")
-        export, certificate = guarded(chosen.export, trials, bound, points)
+        export, certificate = guarded(chosen.export, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
         chosen = replace(chosen, export=export)
         found = 0.0 if bound is None else certificate.error(bound.relative)
@@ -233,16 +233,14 @@ def _certified(
     )
 
 
-def guarded(
-    export: Export, trials: Trials, bound: ErrorBound | None, points: int
-) -> tuple[Export, Certificate]:
+def guarded(export: Export, bound: ErrorBound | None, points: int) -> tuple[Export, Certificate]:
     """Return an export, mended if it has to be to be never falsely safe, and its certificate.
 
     A trained table is lowered at the points that its test has found.  Where contacts are within
     rounding of one plane, single precision may take another one for the corner of a rest: twice
     what that alters is added to the guard.  Points that have not been seen judge it then.
     """
-    certificate = examine(export, trials, bound, points)
+    certificate = examine(export, bound, points)
     for attempt in range(1, (LOWERED if export.tables.tested else WIDER) + 1):
         if certificate.witness is None:
             break
@@ -255,5 +253,5 @@ def guarded(
         if tables is None:
             break
         export = replace(export, tables=tables)
-        certificate = examine(export, trials, bound, points, SEED + attempt)
+        certificate = examine(export, bound, points, SEED + attempt)
     return export, certificate

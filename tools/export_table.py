@@ -62,7 +62,7 @@ def row(case: Case, output: Path, number: int, points: int) -> str:
     made = trials.try_out(usable(model, case.arithmetic, case.codec)[0], case.spec)
     if made is None:
         raise SystemExit(f"{case}: the codec refuses this size")
-    export, found = guarded(made.export, trials, None, points)
+    export, found = guarded(made.export, None, points)
     found.refuse_false_safe(f"{case.recipe}: {made.label}")
     certificate = found.as_dict()
     final = replace(export, certificate=certificate)

@@ -134,13 +134,11 @@ def certify(
     bound: ErrorBound | None = None,
     points: int = POINTS,
     seed: int = SEED,
-    jump: float | None = None,
 ) -> Certificate:
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
     `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
-    requested, to count the points beyond it; `seed` is one that no fit and no choice has used;
-    `jump` is the `largest_jump`, if it is known.
+    requested, to count the points beyond it; `seed` is one that no fit and no choice has used.
     """
     model, half, worst = reader.model, -(-points // 2), None
     share = min(1.0, points / POINTS)
@@ -149,7 +147,7 @@ def certify(
     with ThreadPoolExecutor(1) as pool:
         near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
-        height = largest_jump(model, seed) if jump is None else jump
+        height = largest_jump(model)
         seen = [even, reader.measure(near.result())]
         attacked = pool.submit(worst_false_safe, reader, seen, count, rounds, seed)
         if "sdg" in channels:

@@ -166,7 +166,7 @@ def test_the_stability_factor_jumps_where_the_support_facet_changes_and_nowhere_
     folded = feet([(2, 1, -1), (1, -1, -1.2), (-1, -1, -1), (-1, 1, -1.2)])
     folded = rigid(folded, head="rock_angle = 45.0")
     for text, jumps in ((tripod(), False), (flat, False), (rover(), True), (folded, True)):
-        height = largest_jump(Model(lutgen.parse_recipe(text)), 1)
+        height = largest_jump(Model(lutgen.parse_recipe(text)))
         assert (height > 0.01) == (height > 0.0) == jumps
 
 
