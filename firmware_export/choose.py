@@ -106,18 +106,18 @@ def examine(
 
 
 def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
-    """Return the best candidate of some codecs; ExportError says what comes nearest to the goal.
+    """Return the best candidate of the first codec that meets a goal.
 
     With a bound in the goal the smallest that is accurate enough; without it the most accurate
-    that fits.  Candidates that report at most MOST_FALSE_TIP of what is stable as unsafe
-    go before others.
+    that fits.  Those that report at most MOST_FALSE_TIP of what is stable as unsafe go before
+    others.  ExportError says what of all codecs comes nearest to the goal.
     """
     good: list[Candidate] = []
     for codec in codecs:
         try_sizes(trials, codec, goal)
         tried = [one for (own, _), one in trials.tried.items() if one and own in codecs]
         good = [one for one in tried if goal.holds(one) and goal.fits(one)]
-        if good and codec.exact(trials.model):
+        if good:
             break
     if not good:
         raise _refusal(trials, tried, goal)

@@ -80,8 +80,8 @@ def export(
         Most bytes of tables and code, such as ``"16KiB"``: the most accurate that fits is chosen.
     max_error : str or float, optional
         Largest error of |SD_g|, in percent of its range (``"1%"``) or in the length unit: the
-        smallest that holds it is chosen.  `height` is held to the same percentage or length.  Where
-        |SD_g| jumps it is the 99th percentile that is held.
+        smallest that holds it is chosen, ``contacts`` before ``grid``.  `height` is held to the
+        same percentage or length.  Where |SD_g| jumps it is the 99th percentile that is held.
         With `flash` both must hold; with neither the recipe's [export] counts, and without that 1%.
     channels : sequence of str, optional
         Some of ``"sdg"``, ``"tip_angle"`` and ``"height"``, those of the recipe by default;

@@ -18,7 +18,7 @@ from firmware_export.contacts.series import Series, most_off, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.model import Model, least_edge_of, rounds
+from firmware_export.model import Model, rounds
 from firmware_export.protocol import CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from lutgen.errors import InputError
@@ -251,13 +251,6 @@ class Contacts(Codec):
     def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Return the tables: every channel is computed from the same."""
         return _tables(model, spec)
-
-    def exact(self, model: Model) -> bool:
-        """Return True if nothing else need be tried.
-
-        For three points given by code, `grid` has a smaller runtime; it needs such a bound.
-        """
-        return model.recipe.python is None or least_edge_of(model) <= 0.0
 
 
 INFO = Contacts()

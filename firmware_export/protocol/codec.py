@@ -165,10 +165,6 @@ class Codec(ABC):
         tables = self.encode(model, channels, spec)
         return Export(name, model.recipe, model, self.name, arithmetic, channels, tables)
 
-    def exact(self, model: Model) -> bool:
-        """Return True if no other codec need be tried if this one will do."""
-        return False
-
 
 @dataclass(frozen=True, eq=False)
 class Export:

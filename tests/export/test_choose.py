@@ -52,10 +52,6 @@ class Formula:
             found.append(Spec(tuple(nodes)))
         return found
 
-    def exact(self, model):
-        """Others are tried too."""
-        return False
-
     def size(self, spec):
         """Bytes of the tables."""
         return math.prod(spec.nodes)
@@ -107,10 +103,12 @@ def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
         assert len(paper.tried) <= 8
 
 
-def test_of_two_codecs_the_better_is_chosen():
-    codecs = [Formula("contacts", weights=(0.2, 0.05, 0.01)), Formula()]
-    for order in (codecs, codecs[::-1]):
-        assert choose(Paper(), order, goal(None, 1.0)).export.codec == "contacts"
+def test_the_first_codec_that_meets_the_goal_is_taken_and_no_other_tried():
+    codecs = [Formula("contacts", largest=6), Formula()]
+    for percent, name in ((5.0, "contacts"), (1.0, "grid")):
+        paper = Paper()
+        assert choose(paper, codecs, goal(None, percent)).export.codec == name
+        assert {codec.name for codec, _ in paper.tried} == {"contacts", name}
 
 
 def test_both_limits_hold_or_the_error_names_the_nearest():
