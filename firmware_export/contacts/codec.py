@@ -163,7 +163,7 @@ def _tables(model: Model, spec: Spec) -> Tables:
     terms: Terms | Series
     if spec.error:
         terms = series_of(model, order, spec.error * robot_size_of(model.recipe))
-        off, error = off_of(model, spec), 0.0
+        off, error = off_of(model, spec, terms), 0.0
     else:
         terms, off = terms_of(model.recipe, model.radius, order, turning), 0.0
         error = terms.error
@@ -197,18 +197,10 @@ def _order(model: Model) -> tuple[tuple[int, ...], bool]:
     return (rounds(model), False) if model.is_tripod else order_of(model)
 
 
-@lru_cache(maxsize=16)
-def off_of(model: Model, spec: Spec) -> float:
-    """Return how far (length) the contacts of a robot given by code are off in C, at most.
-
-    Raises
-    ------
-    InputError
-        If there are no such series, or their error is larger than requested.
-    """
+def off_of(model: Model, spec: Spec, terms: Series) -> float:
+    """Return how far (length) series are off in C, at most; refuse more than was requested."""
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
-    terms = series_of(model, order, error)
     three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
     many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
     blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
@@ -232,12 +224,10 @@ class Contacts(Codec):
             return (
                 "codec contacts needs floating point (square roots and divisions); use --codec grid"
             )
+        problem = None if model.is_tripod else many_refusal(model)
         try:
-            problem = None if model.is_tripod else many_refusal(model)
-            if problem is None and model.recipe.python is not None:
-                off_of(model, self.sizes(model)[0])
-            elif problem is None:
-                terms_of(model.recipe, model.radius, _order(model)[0])
+            if problem is None:
+                _tables(model, self.sizes(model)[0])
         except InputError as error:
             return str(error)
         return problem

@@ -113,12 +113,7 @@ def head(
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
     """Return the tables of a robot whose contacts (and axles) stand in an order of our own.
 
-    Axes of discs are there only if `turning`.
-
-    Raises
-    ------
-    InputError
-        Where the runtime has no room for it.
+    Axes of discs are there only if `turning`; what the runtime has no room for is refused.
     """
     closed = closed_form(recipe)
     moving = any(monomial for monomial in closed.com.terms)
