@@ -148,14 +148,15 @@ def certified(
     progress(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, channels, options.arithmetic)
     nothing = size is None and bound is None
-    bound = KNEE if nothing else bound
+    goal = Goal(size, KNEE if nothing else bound)
     try:
-        chosen, certificate = _certified(trials, codecs, size, bound, options.points, progress)
+        chosen = _certified(trials, codecs, goal, options.points, progress)
     except ExportError:
         if not nothing:
             raise
-        bound = None
-        chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, progress)
+        goal = Goal(ROOM, None)
+        chosen = _certified(trials, codecs, goal, options.points, progress)
+    certificate = chosen.certificate
     if certificate.false_tip > USELESS:
         raise ExportError(
             f"{recipe.source}: the export would report too much of what stands as unsafe (got "
@@ -165,7 +166,7 @@ def certified(
         )
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(bounded(channels)[0], relative=True),
-        "bound": None if bound is None else str(bound),
+        "bound": None if goal.bound is None else str(goal.bound),
         "candidates": len(trials.tried),
     }
     return replace(chosen.export, certificate=result)
@@ -209,22 +210,21 @@ def _channels(recipe: Recipe, given: Sequence[str] | None) -> tuple[str, ...]:
 def _certified(
     trials: Trials,
     codecs: Sequence[Codec],
-    size: int | None,
-    bound: ErrorBound | None,
+    goal: Goal,
     points: int,
     progress: Callable[[str], None],
-) -> tuple[Candidate, Certificate]:
-    """Return the best candidate whose certificate meets the request, and that."""
-    goal = Goal(size, bound)
+) -> Candidate:
+    """Return the best candidate whose full certificate meets a goal."""
+    bound = goal.bound
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         progress(f"certifying {chosen.label}, {chosen.total:,} bytes")
         export, certificate = guarded(chosen.export, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
-        chosen = replace(chosen, export=export)
-        found = 0.0 if bound is None else certificate.error(bound.relative)
+        chosen = replace(chosen, export=export, certificate=certificate)
+        found = goal.error(chosen)
         if bound is None or found <= bound.value:
-            return chosen, certificate
+            return chosen
         # The certificate saw more than the choice; aim lower by as much.
         goal = replace(goal, margin=goal.margin * max(1.1, 1.02 * found / bound.value))
     raise ExportError(
