@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.rivals import RIVALS, Points, Result
-from firmware_export.certify.answers import Expected, device, expected
+from firmware_export.certify.answers import device
 from firmware_export.choose import Goal, Trials, choose
 from firmware_export.codecs import usable
 from firmware_export.model.exact import Model
 from firmware_export.model.sample import Sample, biased, join, uniform
+from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
 
@@ -32,20 +33,20 @@ SEED = 2001
 FINER = (0.1, 0.01)
 
 
-def points_of(sample: Sample, model: Model) -> tuple[Expected, Points]:
-    """Return the exact answers to a sample and its standing points as rivals take them."""
-    known = expected(model, sample)
-    standing = known.exact.tip_angle >= 0.0
-    params = np.repeat(known.sample.params[:, None], standing.shape[1], axis=1)[standing]
-    gravity = known.sample.gravity[standing]
+def points_of(sample: Sample, model: Model) -> Points:
+    """Return the standing points of a sample as rivals take them."""
+    exact = model.exact(*sample)
+    standing = exact.tip_angle >= 0.0
+    params = np.repeat(sample.params[:, None], standing.shape[1], axis=1)[standing]
+    gravity = sample.gravity[standing]
     u, v = (gravity[:, axis] / -gravity[:, 2] / model.chart_limit for axis in (0, 1))
     t = (params - model.lower) / (model.upper - model.lower)
     place = np.column_stack([t, (v + 1.0) / 2.0, (u + 1.0) / 2.0])
     # Single precision may put a point of the rim a hair beyond it.
-    return known, Points(np.clip(place, 0.0, 1.0), known.exact.sdg[standing])
+    return Points(np.clip(place, 0.0, 1.0), exact.sdg[standing])
 
 
-def ours(model: Model, known: Expected, span: float) -> dict[str, list[Result]]:
+def ours(model: Model, sample: Sample, span: float) -> dict[str, list[Result]]:
     """Measure what each codec tried on the common sample.
 
     The tip angle is always held, and so is the height; where the guard says "tips" there is no
@@ -56,15 +57,11 @@ def ours(model: Model, known: Expected, span: float) -> dict[str, list[Result]]:
         trials = Trials(model, "paper_two", CHANNELS, "float")
         for percent in (*ERRORS, *FINER):
             with suppress(ExportError):
-                choose(trials, [codec], Goal(None, percent))
+                choose(trials, [codec], Goal(None, ErrorBound(percent, relative=True)))
         found = results[f"**{codec.name}**, with verdict and height"] = []
-        own = trials.candidates
-        for one in own:
-            # What is beaten on the chooser's sample need not be measured again.
-            if any(o.bytes <= one.bytes and o.error < one.error for o in own):
-                continue
-            off = device(one.export).compare(known).errors("sdg").max()
-            found.append(Result(one.bytes, float(100.0 * off / span), one.label))
+        for one in filter(None, trials.tried.values()):
+            off = device(one.export).measure(sample).errors("sdg").max()
+            found.append(Result(one.export.tables.bytes, float(100.0 * off / span), one.label))
     return results
 
 
@@ -100,15 +97,15 @@ def main() -> str:
     begin = time.perf_counter()
     model = Model(load_recipe(RECIPE))
     sample = join([part(model, POINTS // 2, SEED) for part in (uniform, biased)])
-    known, points = points_of(sample, model)
-    results = ours(model, known, float(np.ptp(points.sdg)))
+    points = points_of(sample, model)
+    results = ours(model, sample, float(np.ptp(points.sdg)))
     for rival in RIVALS:
         results |= rival(model, points)
     text = table(results)
     standing = len(points.sdg)
     note = (
         f"Largest error of |SD_g| in percent of its range, on {standing:,} standing points of "
-        f"{known.sample.points:,}.  Only ours hold the verdict and the height as well."
+        f"{sample.points:,}.  Only ours hold the verdict and the height as well."
     )
     text += f"\n\n{note}"
     print(text)

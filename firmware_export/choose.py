@@ -1,33 +1,25 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
-A codec lists its sizes, the smallest first; the smallest is tried, and the others by halves.  Sizes
-are measured on a sample that neither the fits nor the certificate use, so that choosing the best of
-many does not flatter the certificate.
+A codec lists its sizes, the smallest first; the smallest is tried, and the others by halves.  Each
+that is tried gets a short certificate, of points that neither the fits nor the final one use, so
+that choosing the best of many does not flatter that.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
-from firmware_export.certify.answers import (
-    Expected,
-    Measured,
-    device,
-    expected,
-    span_of,
-    statistics,
-)
-from firmware_export.certify.certificate import bounded, judged_by
-from firmware_export.certify.jumps import largest_jump
+from firmware_export.certify import certificate
+from firmware_export.certify.answers import device
+from firmware_export.certify.certificate import Certificate, certify, put_to_test
 from firmware_export.emit import code_bytes, flash_bytes
-from firmware_export.model import Model, biased, uniform
+from firmware_export.model import Model
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, InputError
 
-SEED, POINTS = 501, 15_000
+SEED, POINTS = 501, 30_000
 # Percent: the default aim.
 KNEE = ErrorBound(1.0, relative=True)
 # Share of the stable configurations that an export should report unsafe at most.
@@ -38,19 +30,11 @@ LARGEST = 1 << 18
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """An encoded export without certificate, and what the chooser measured on it.
-
-    `total` are the bytes of tables, descriptors and code as far as those are known; `errors`
-    (percent of the range) of each length channel the largest, or p99 where |SD_g| jumps, of an
-    export of the tip angle alone that of the tip angle; `false_tip` the share of the standing
-    uniform points that are called tipping; `false_safe` the points that are called safe and tip.
-    """
+    """An encoded export, its bytes of tables, descriptors and code, and a short certificate."""
 
     export: Export
     total: int
-    errors: dict[str, float]
-    false_tip: float
-    false_safe: int
+    certificate: Certificate
 
     @property
     def label(self) -> str:
@@ -58,35 +42,34 @@ class Candidate:
         return str(self.export.tables.spec.label)
 
     @property
-    def error(self) -> float:
-        """The greatest of `errors`, percent."""
-        return max(self.errors.values())
+    def false_tip(self) -> float:
+        """Share of what stands that is called tipping."""
+        return self.certificate.false_tip
 
 
 @dataclass(frozen=True)
 class Goal:
-    """Limits of an export: most bytes, code included, and greatest error in percent of the range.
+    """Limits of an export: most bytes, code included, and greatest error.
 
-    By `margin` the chooser's own measurement must stay below that: the certificate looks at more
-    points and searches for the worst.
+    By `margin` the error of a short certificate must stay below that: the final one looks at more
+    points.
     """
 
     flash: int | None
-    percent: float | None
-    margin: float = 1.3
+    bound: ErrorBound | None
+    margin: float = 1.1
 
-    @property
-    def aim(self) -> float:
-        """The error to reach on the chooser's sample, percent."""
-        return math.inf if self.percent is None else self.percent / self.margin
+    def error(self, one: Candidate) -> float:
+        """Return the error of a candidate as the bound has it."""
+        return one.certificate.error(self.bound is None or self.bound.relative)
 
     def holds(self, one: Candidate) -> bool:
         """Return True if a candidate is accurate enough."""
-        return one.false_safe == 0 and one.error <= self.aim
+        return self.bound is None or self.error(one) <= self.bound.value / self.margin
 
     def fits(self, one: Candidate) -> bool:
         """Return True if a candidate is small enough."""
-        return one.false_safe == 0 and (self.flash is None or one.total <= self.flash)
+        return self.flash is None or one.total <= self.flash
 
 
 class Trials:
@@ -97,22 +80,6 @@ class Trials:
         self.channels, self.arithmetic = channels, arithmetic
         self.tried: dict[tuple[Codec, Any], Candidate | None] = {}
         self.refused: dict[str, str] = {}  # by codec what it said last of a size
-        self.bounded = bounded(channels)  # those whose errors count
-        self.jump = largest_jump(model, SEED)
-
-    @cached_property
-    def sample(self) -> list[Expected]:
-        """The sample: uniform points, then biased ones."""
-        integer = self.arithmetic == "integer"
-        return [
-            expected(self.model, points(self.model, POINTS, SEED), integer)
-            for points in (uniform, biased)
-        ]
-
-    @cached_property
-    def ranges(self) -> dict[str, float]:
-        """The ranges of the channels that count, over the standing points of the sample."""
-        return {channel: span_of(self.sample, channel) for channel in self.bounded}
 
     def try_out(self, codec: Codec, spec: Any) -> Candidate | None:
         """Return a candidate, None for a size that the codec cannot encode."""
@@ -121,70 +88,62 @@ class Trials:
             self.tried[key] = None
             try:
                 made = codec.export(self.model, self.name, self.channels, self.arithmetic, spec)
-                self.tried[key] = self._assessed(made)
+                measured = examine(made, None, POINTS, SEED)
+                self.tried[key] = Candidate(made, int(flash_bytes(made)["total"]), measured)
             except InputError as error:
                 self.refused[codec.name] = str(error)
         return self.tried[key]
 
-    def _assessed(self, export: Export) -> Candidate:
-        """Measure an export: its bytes, with descriptors and code, and its answers."""
-        reader = device(export)
-        seen = [reader.compare(known) for known in self.sample]
-        # The certificate lowers tested tables until it finds none.
-        wrong = 0 if export.tables.tested else sum(int(one.false_safe.sum()) for one in seen)
-        return Candidate(
-            export,
-            int(flash_bytes(export)["total"]),
-            {channel: self._error(seen, channel) for channel in self.bounded},
-            seen[0].false_tip,
-            wrong,
-        )
 
-    def _error(self, seen: list[Measured], channel: str) -> float:
-        found = statistics(seen, channel)[judged_by(channel, self.jump > 0.0)]
-        span = self.ranges[channel]
-        return 100.0 * found / span if span > 0.0 else 0.0
+def examine(
+    export: Export, bound: ErrorBound | None, points: int, seed: int = certificate.SEED
+) -> Certificate:
+    """Certify one export."""
+    reader = device(export)
+    if export.tables.tested:
+        return put_to_test(reader, export.channels, bound, points, seed)
+    return certify(reader, export.channels, bound, points, seed)
 
 
 def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
-    """Return the best candidate of some codecs; ExportError says what comes nearest to the goal.
+    """Return the best candidate of the first codec that meets a goal.
 
-    With a percentage in the goal the smallest that is accurate enough; without it the most accurate
-    that fits.  Candidates that report at most MOST_FALSE_TIP of what is stable as unsafe
-    go before others.
+    With a bound in the goal the smallest that is accurate enough; without it the most accurate
+    that fits.  Those that report at most MOST_FALSE_TIP of what is stable as unsafe go before
+    others.  ExportError says what of all codecs comes nearest to the goal.
     """
     good: list[Candidate] = []
     for codec in codecs:
         try_sizes(trials, codec, goal)
         tried = [one for (own, _), one in trials.tried.items() if one and own in codecs]
         good = [one for one in tried if goal.holds(one) and goal.fits(one)]
-        if good and codec.exact(trials.model):
+        if good:
             break
     if not good:
         raise _refusal(trials, tried, goal)
     generous = [one for one in good if one.false_tip <= MOST_FALSE_TIP]
     if not generous:
         return min(good, key=lambda one: (one.false_tip, one.total, one.label))
-    if goal.percent is None:
-        return min(generous, key=lambda one: (one.error, one.total, one.label))
-    return min(generous, key=lambda one: (one.total, one.error, one.label))
+    if goal.bound is None:
+        return min(generous, key=lambda one: (goal.error(one), one.total, one.label))
+    return min(generous, key=lambda one: (one.total, goal.error(one), one.label))
 
 
 def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     """Try the smallest size, then by halves look for the one from which on the goal is met.
 
-    With a percentage that is the first that is accurate enough; else the last that fits.
+    With a bound that is the first that is accurate enough; else the last that fits.
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
-    most = ceiling - code_bytes(codec.families[trials.arithmetic])
-    sizes = codec.sizes(trials.model, trials.channels, most)
+    # Of the codecs a trained table alone asks how many bytes it may have.
+    sizes = codec.sizes(trials.model, trials.channels, ceiling - code_bytes("grid"))
 
     def larger(spec: Any) -> bool:
         """Return True if sizes beyond this one are of use."""
         one = trials.try_out(codec, spec)
         if one is None or one.total > ceiling:
             return False
-        served = goal.percent is not None and goal.holds(one) and one.false_tip <= MOST_FALSE_TIP
+        served = goal.bound is not None and goal.holds(one) and one.false_tip <= MOST_FALSE_TIP
         return not served
 
     if not sizes or not larger(sizes[0]):
@@ -198,14 +157,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
 def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     """Return the error that says what comes nearest to a goal that nothing meets."""
     where = trials.model.recipe.source
-    faults = [one for one in tried if one.false_safe]
-    usable = [one for one in tried if one.false_safe == 0 and math.isfinite(one.error)]
-    if faults and not usable:
-        return ExportError(
-            f"{where}: every candidate calls some point safe where the robot tips (got "
-            f"{faults[0].false_safe} points for {faults[0].label}); this is a fault of the codec's "
-            "guard: choose another with --codec and report it."
-        )
+    usable = [one for one in tried if math.isfinite(goal.error(one))]
     if not usable:
         said = [
             f"{name}: {reason.removeprefix(f'{where}: ')}"
@@ -218,18 +170,19 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     limits, nearest = [], []
     if goal.flash is not None:
         limits.append(f"{goal.flash:,} bytes of flash")
-    if goal.percent is not None:
-        limits.append(f"an error of {goal.percent:.3g} % of the range")
+    unit = " %" if goal.bound is None or goal.bound.relative else ""
+    if goal.bound is not None:
+        limits.append(f"an error of {goal.bound}{' of the range' if unit else ''}")
     fitting = [one for one in usable if goal.fits(one)]
     if fitting:
-        one = min(fitting, key=lambda one: one.error)
-        estimate = one.error * goal.margin
-        nearest.append(f"{estimate:.3g} % in {one.total:,} bytes ({one.label})")
+        one = min(fitting, key=goal.error)
+        estimate = goal.error(one) * goal.margin
+        nearest.append(f"{estimate:.3g}{unit} in {one.total:,} bytes ({one.label})")
     else:
         one = min(usable, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes is the smallest there is ({one.label})")
     accurate = [one for one in usable if goal.holds(one)]
-    if goal.percent is not None and accurate:
+    if goal.bound is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
     return ExportError(

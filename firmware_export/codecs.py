@@ -6,7 +6,7 @@ from firmware_export.model import Model
 from firmware_export.protocol import Codec
 from lutgen.errors import ExportError, InputError
 
-# In the order in which they are tried: the first are smallest for what they can hold.
+# In the order in which they are tried: the first are most accurate for what they can hold.
 CODECS = (CONTACTS, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify.answers import device
-from firmware_export.certify.certificate import POINTS, SEED, Certificate, certify, put_to_test
-from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose
+from firmware_export.certify.certificate import POINTS, SEED, Certificate, bounded
+from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, examine
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
-from firmware_export.model import Model
+from firmware_export.model import Model, uniform
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from lutgen.channels import refuse_forces
@@ -29,6 +28,8 @@ ATTEMPTS = 6
 # Times that a guard is made larger for what a certificate has seen, or a table lowered for what its
 # test has; the largest guard (rad).
 WIDER, LOWERED, WIDEST = 3, 80, 5e-3
+# Points of which a robot must stand at one at least.
+LOOKED = 30_000
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made without a request if nothing reaches the knee.
@@ -49,31 +50,6 @@ class ExportOptions:
     points: int = field(default_factory=lambda: POINTS)
 
 
-class Report(dict[str, Any]):
-    """The content of NAME_report.json, with the numbers most used as attributes."""
-
-    @property
-    def bytes(self) -> int | None:
-        """Bytes of flash in all, None where the code was not measured."""
-        return self["bytes"]["total"]  # type: ignore[no-any-return]
-
-    @property
-    def table_bytes(self) -> int:
-        """Bytes of the tables alone."""
-        return self["bytes"]["tables"]  # type: ignore[no-any-return]
-
-    @property
-    def guard(self) -> float:
-        """Degrees that are subtracted from the tip angle."""
-        return self["guard_deg"]  # type: ignore[no-any-return]
-
-    @property
-    def error(self) -> float | None:
-        """Percent of the range: largest error of |SD_g|, or p99 where it jumps."""
-        certificate = self["certificate"]
-        return certificate["error_percent"]  # type: ignore[no-any-return]
-
-
 def export(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
     directory: str | os.PathLike[str],
@@ -87,7 +63,7 @@ def export(
     points: int = POINTS,
     progress: Callable[[str], None] | None = None,
     force: bool = False,
-) -> Report:
+) -> dict[str, Any]:
     """Write a map or a recipe as C tables with their runtime.
 
     Parameters
@@ -104,8 +80,8 @@ def export(
         Most bytes of tables and code, such as ``"16KiB"``: the most accurate that fits is chosen.
     max_error : str or float, optional
         Largest error of |SD_g|, in percent of its range (``"1%"``) or in the length unit: the
-        smallest that holds it is chosen.  `height` is held to the same percentage or length.  Where
-        |SD_g| jumps it is the 99th percentile that is held.
+        smallest that holds it is chosen, ``contacts`` before ``grid``.  `height` is held to the
+        same percentage or length.  Where |SD_g| jumps it is the 99th percentile that is held.
         With `flash` both must hold; with neither the recipe's [export] counts, and without that 1%.
     channels : sequence of str, optional
         Some of ``"sdg"``, ``"tip_angle"`` and ``"height"``, those of the recipe by default;
@@ -125,7 +101,7 @@ def export(
 
     Returns
     -------
-    Report
+    dict
         The content of NAME_report.json.
 
     Raises
@@ -142,7 +118,7 @@ def export(
     )
     final = certified(source, options, progress)
     progress("writing")
-    return Report(write(final, directory, progress, force))
+    return write(final, directory, progress, force)
 
 
 def certified(
@@ -162,41 +138,38 @@ def certified(
     bound = None if error is None else parse_error(error)
     model = Model(recipe)
     codecs = usable(model, options.arithmetic, options.codec)
+    sample = uniform(model, LOOKED, SEED)
+    if not (model.exact(*sample).tip_angle >= 0.0).any():
+        raise ExportError(
+            f"{recipe.source}: key `robot.contact`: the export would only ever answer that the "
+            f"robot tips (got none of {sample.points:,} postures and directions in which it "
+            f"stands); {TO_STAND}."
+        )
     progress(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, channels, options.arithmetic)
     nothing = size is None and bound is None
-    bound = KNEE if nothing else bound
+    goal = Goal(size, KNEE if nothing else bound)
     try:
-        chosen, certificate = _certified(trials, codecs, size, bound, options.points, progress)
+        chosen = _certified(trials, codecs, goal, options.points, progress)
     except ExportError:
         if not nothing:
             raise
-        bound = None
-        chosen, certificate = _certified(trials, codecs, ROOM, bound, options.points, progress)
-    _refuse_useless(certificate, chosen, model.recipe.source)
-    result = certificate.as_dict() | {
-        "error_percent": certificate.error_of(trials.bounded[0], relative=True),
-        "bound": None if bound is None else str(bound),
-        "candidates": len(trials.tried),
-    }
-    return replace(chosen.export, certificate=result)
-
-
-def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:
-    """Refuse an export whose robot stands nowhere, or that says of most of what stands it tips."""
-    if certificate.standing == 0:
-        raise ExportError(
-            f"{source}: key `robot.contact`: the export would only ever answer that the robot "
-            f"tips (got none of {certificate.points:,} postures and directions in which it "
-            f"stands); {TO_STAND}."
-        )
+        goal = Goal(ROOM, None)
+        chosen = _certified(trials, codecs, goal, options.points, progress)
+    certificate = chosen.certificate
     if certificate.false_tip > USELESS:
         raise ExportError(
-            f"{source}: the export would report too much of what stands as unsafe (got "
+            f"{recipe.source}: the export would report too much of what stands as unsafe (got "
             f"{100.0 * certificate.false_tip:.3g} % for {chosen.label}, more than "
             f"{100.0 * USELESS:.0f} %); allow more flash, narrow the parameters, or choose another "
             "--codec."
         )
+    result = certificate.as_dict() | {
+        "error_percent": certificate.error_of(bounded(channels)[0], relative=True),
+        "bound": None if goal.bound is None else str(goal.bound),
+        "candidates": len(trials.tried),
+    }
+    return replace(chosen.export, certificate=result)
 
 
 def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python: bool) -> Recipe:
@@ -237,22 +210,21 @@ def _channels(recipe: Recipe, given: Sequence[str] | None) -> tuple[str, ...]:
 def _certified(
     trials: Trials,
     codecs: Sequence[Codec],
-    size: int | None,
-    bound: ErrorBound | None,
+    goal: Goal,
     points: int,
     progress: Callable[[str], None],
-) -> tuple[Candidate, Certificate]:
-    """Return the best candidate whose certificate meets the request, and that."""
-    goal = Goal(size, _percent(trials, bound))
+) -> Candidate:
+    """Return the best candidate whose full certificate meets a goal."""
+    bound = goal.bound
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         progress(f"certifying {chosen.label}, {chosen.total:,} bytes")
-        export, certificate = guarded(chosen.export, trials, bound, points)
+        export, certificate = guarded(chosen.export, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
-        chosen = replace(chosen, export=export)
-        found = 0.0 if bound is None else certificate.error(bound.relative)
+        chosen = replace(chosen, export=export, certificate=certificate)
+        found = goal.error(chosen)
         if bound is None or found <= bound.value:
-            return chosen, certificate
+            return chosen
         # The certificate saw more than the choice; aim lower by as much.
         goal = replace(goal, margin=goal.margin * max(1.1, 1.02 * found / bound.value))
     raise ExportError(
@@ -261,16 +233,14 @@ def _certified(
     )
 
 
-def guarded(
-    export: Export, trials: Trials, bound: ErrorBound | None, points: int
-) -> tuple[Export, Certificate]:
+def guarded(export: Export, bound: ErrorBound | None, points: int) -> tuple[Export, Certificate]:
     """Return an export, mended if it has to be to be never falsely safe, and its certificate.
 
     A trained table is lowered at the points that its test has found.  Where contacts are within
     rounding of one plane, single precision may take another one for the corner of a rest: twice
     what that alters is added to the guard.  Points that have not been seen judge it then.
     """
-    certificate = examine(export, trials, bound, points)
+    certificate = examine(export, bound, points)
     for attempt in range(1, (LOWERED if export.tables.tested else WIDER) + 1):
         if certificate.witness is None:
             break
@@ -283,24 +253,5 @@ def guarded(
         if tables is None:
             break
         export = replace(export, tables=tables)
-        certificate = examine(export, trials, bound, points, SEED + attempt)
+        certificate = examine(export, bound, points, SEED + attempt)
     return export, certificate
-
-
-def examine(
-    export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
-) -> Certificate:
-    """Certify one export."""
-    reader = device(export)
-    if export.tables.tested:
-        return put_to_test(reader, export.channels, bound, points, seed)
-    cells = export.tables.cells(export.model)
-    return certify(reader, export.channels, cells, bound, points, seed, trials.jump)
-
-
-def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:
-    """Return a bound in percent of the range."""
-    if bound is None or bound.relative:
-        return None if bound is None else bound.value
-    span = trials.ranges[trials.bounded[0]]
-    return 100.0 * bound.value / span if span > 0.0 else KNEE.value

@@ -62,7 +62,7 @@ def row(case: Case, output: Path, number: int, points: int) -> str:
     made = trials.try_out(usable(model, case.arithmetic, case.codec)[0], case.spec)
     if made is None:
         raise SystemExit(f"{case}: the codec refuses this size")
-    export, found = guarded(made.export, trials, None, points)
+    export, found = guarded(made.export, None, points)
     found.refuse_false_safe(f"{case.recipe}: {made.label}")
     certificate = found.as_dict()
     final = replace(export, certificate=certificate)
@@ -71,7 +71,8 @@ def row(case: Case, output: Path, number: int, points: int) -> str:
     largest = f"{sdg['max_percent']:.3g} %" if "max_percent" in sdg else "jumps" if sdg else "-"
     p99 = f"{sdg['p99_percent']:.3g} %" if sdg else "-"
     return (
-        f"| {case.recipe} | {made.label} | {case.arithmetic} | {made.bytes:,} | {made.total:,} | "
+        f"| {case.recipe} | {made.label} | {case.arithmetic} | "
+        f"{made.export.tables.bytes:,} | {made.total:,} | "
         f"{largest} | {p99} | {report['guard_deg']:.3g} deg | "
         f"{100.0 * certificate['false_tip']:.3g} % | {certificate['false_safe']} | "
         f"{certificate['points']:,} |"

@@ -39,21 +39,8 @@ class Answers(NamedTuple):
     height: Floats
 
 
-class Expected(NamedTuple):
-    """Queries `params` (m, k) and `gravity` (m, d, 3), what they stand for, exactly.
-
-    The queries are float32, or int16 as smap_read_i takes them; `sample` has the same in rad or
-    length, and `exact` is computed from that.
-    """
-
-    params: NDArray[Any]
-    gravity: NDArray[Any]
-    sample: Sample
-    exact: Exact
-
-
 class Measured(NamedTuple):
-    """A sample, the answers to it and the exact ones."""
+    """What the queries of a sample stand for (rad or length), the answers and the exact ones."""
 
     sample: Sample
     answers: Answers
@@ -99,19 +86,6 @@ def in_steps(model: Model, params: Floats) -> tuple[NDArray[np.int16], Floats]:
     return q, model.at(q / FULL_SCALE)
 
 
-def expected(model: Model, sample: Sample, integer: bool = False) -> Expected:
-    """Return the queries nearest to a sample, and the exact answers to them."""
-    params, gravity = sample
-    if integer:
-        q, near = in_steps(model, params)
-        g = np.rint(gravity * FULL_SCALE).astype(np.int16)
-        queries = Sample(near, g.astype(np.float64))
-        return Expected(q, g, queries, model.exact(*queries))
-    single = params.astype(np.float32), gravity.astype(np.float32)
-    queries = Sample(*(array.astype(np.float64) for array in single))
-    return Expected(*single, queries, model.exact(*queries))
-
-
 class Reader:
     """Anything that answers queries about a model's robot, in floats or, with `steps`, in integers.
 
@@ -122,17 +96,20 @@ class Reader:
         self.model, self.read, self.steps = model, read, steps
 
     def measure(self, sample: Sample) -> Measured:
-        """Compute the exact answers to a sample and query its points."""
-        return self.compare(expected(self.model, sample, self.steps is not None))
-
-    def compare(self, known: Expected) -> Measured:
-        """Answer queries whose exact answers are known."""
-        m, d = known.gravity.shape[:2]
-        rows = np.repeat(known.params, d, axis=0)
-        status, reading = self.read(rows, known.gravity.reshape(-1, 3))
+        """Query the points of a sample, and compute the exact answers to these queries."""
+        params: NDArray[Any]
+        if self.steps is None:
+            params, gravity = (one.astype(np.float32) for one in sample)
+            near = Sample(params.astype(np.float64), gravity.astype(np.float64))
+        else:
+            params, places = in_steps(self.model, sample.params)
+            gravity = np.rint(sample.gravity * FULL_SCALE).astype(np.int16)
+            near = Sample(places, gravity.astype(np.float64))
+        m, d = gravity.shape[:2]
+        status, reading = self.read(np.repeat(params, d, axis=0), gravity.reshape(-1, 3))
         values = reading.astype(np.float64) if self.steps is None else in_units(reading, self.steps)
-        stands = np.isin(status, STANDS).reshape(m, d)
-        return Measured(known.sample, Answers(stands, *values.T.reshape(3, m, d)), known.exact)
+        answers = Answers(np.isin(status, STANDS).reshape(m, d), *values.T.reshape(3, m, d))
+        return Measured(near, answers, self.model.exact(*near))
 
 
 def device(export: Export) -> Reader:
@@ -145,7 +122,7 @@ def device(export: Export) -> Reader:
     return Reader(export.model, host.read)
 
 
-def span_of(seen: Sequence[Measured] | Sequence[Expected], channel: str) -> float:
+def span_of(seen: Sequence[Measured], channel: str) -> float:
     """Return the range of a channel over the points that stand; 0 where it changes by rounding."""
     exact = [one.exact for one in seen]
     values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])

@@ -16,7 +16,7 @@ import numpy as np
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
 from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
 from firmware_export.certify.jumps import largest_jump
-from firmware_export.model import Cells, biased, uniform
+from firmware_export.model import biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
@@ -74,7 +74,7 @@ class Certificate:
 
         In percent of its range, or in its unit.
         """
-        name = judged_by(channel, self.jumps)
+        name = "p99" if self.jumps and channel != "tip_angle" else "max"
         return self.channels[channel][f"{name}_percent" if relative else name]
 
     def error(self, relative: bool) -> float:
@@ -104,11 +104,6 @@ def bounded(channels: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in channels if name != "tip_angle") or ("tip_angle",)
 
 
-def judged_by(channel: str, jumps: bool) -> str:
-    """Return which of the `statistics` is compared with a bound."""
-    return "p99" if jumps and channel != "tip_angle" else "max"
-
-
 def _entry(
     every: dict[str, float], even: dict[str, float], span: float, jumps: bool
 ) -> dict[str, float]:
@@ -135,26 +130,23 @@ def _beyond(errors: Floats, bound: ErrorBound | None, span: float) -> float | No
 def certify(
     reader: Reader,
     channels: Sequence[str],
-    cells: Cells | None = None,
     bound: ErrorBound | None = None,
     points: int = POINTS,
     seed: int = SEED,
-    jump: float | None = None,
 ) -> Certificate:
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
-    `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
-    requested, to count the points beyond it; `seed` is one that no fit and no choice has used;
-    `jump` is the `largest_jump`, if it is known.
+    `bound` is the error requested, to count the points beyond it; `seed` is one that no fit and no
+    choice has used.
     """
     model, half, worst = reader.model, -(-points // 2), None
     share = min(1.0, points / POINTS)
     count, rounds = (max(LEAST, round(share * most)) for most in (STARTS, ROUNDS))
     # Two at a time that do not depend on each other: what Python does in one waits for no core.
     with ThreadPoolExecutor(1) as pool:
-        near = pool.submit(biased, model, half, seed, cells)
+        near = pool.submit(biased, model, half, seed, True)
         even = reader.measure(uniform(model, half, seed))
-        height = largest_jump(model, seed) if jump is None else jump
+        height = largest_jump(model)
         seen = [even, reader.measure(near.result())]
         attacked = pool.submit(worst_false_safe, reader, seen, count, rounds, seed)
         if "sdg" in channels:
@@ -249,7 +241,7 @@ def put_to_test(
         channels=table,
         false_safe=len(q),
         false_tip=refused / max(standing, 1),
-        jumps=has_sdg,
+        jumps=len(channels) > 1,
         beyond=_beyond(every["sdg off"], bound, table["sdg"]["range"]) if has_sdg else None,
         seed=seed,
         text=_about_test(every["tip_angle off"], tested),

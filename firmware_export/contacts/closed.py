@@ -111,13 +111,7 @@ class Closed:
 
 @lru_cache(maxsize=4)
 def closed_form(recipe: Recipe) -> Closed:
-    """Multiply out the links of a recipe.
-
-    Raises
-    ------
-    InputError
-        For a robot given by code, and for one with too many terms.
-    """
+    """Multiply out the links of a recipe; refuse a robot given by code, or with too many terms."""
     if recipe.python is not None:
         raise InputError("the robot is given by code, whose closed form is not known")
     order, _ = parents_first({link.name: link.parent for link in recipe.links})

@@ -8,7 +8,7 @@ without room for an arc of the boundary the pose fails: all of that is safe.
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from firmware_export.contacts.series import Series, most_off, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.model import Cells, Model, least_edge_of, rounds
+from firmware_export.model import Model, rounds
 from firmware_export.protocol import CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from lutgen.errors import InputError
@@ -151,13 +151,6 @@ class Tables(AnyTables):
         many = self.many._replace(guard=sine, text=text, numbers=numbers)
         return replace(self, many=many, guard=guard, guard_text=text)
 
-    def cells(self, model: Model) -> Cells:
-        """Return where the ends of the axes are, and where series are cut."""
-        cuts = [one[1:-1] for one in self.terms.knots] or [np.zeros(0)] * model.k
-        axes = zip(cuts, model.lower, model.upper - model.lower, strict=True)
-        ends = [np.concatenate([[0.0], (one - low) / width, [1.0]]) for one, low, width in axes]
-        return tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends)
-
 
 @lru_cache(maxsize=4)
 def _tables(model: Model, spec: Spec) -> Tables:
@@ -170,7 +163,7 @@ def _tables(model: Model, spec: Spec) -> Tables:
     terms: Terms | Series
     if spec.error:
         terms = series_of(model, order, spec.error * robot_size_of(model.recipe))
-        off, error = off_of(model, spec), 0.0
+        off, error = off_of(model, spec, terms), 0.0
     else:
         terms, off = terms_of(model.recipe, model.radius, order, turning), 0.0
         error = terms.error
@@ -204,18 +197,10 @@ def _order(model: Model) -> tuple[tuple[int, ...], bool]:
     return (rounds(model), False) if model.is_tripod else order_of(model)
 
 
-@lru_cache(maxsize=16)
-def off_of(model: Model, spec: Spec) -> float:
-    """Return how far (length) the contacts of a robot given by code are off in C, at most.
-
-    Raises
-    ------
-    InputError
-        If there are no such series, or their error is larger than requested.
-    """
+def off_of(model: Model, spec: Spec, terms: Series) -> float:
+    """Return how far (length) series are off in C, at most; refuse more than was requested."""
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
-    terms = series_of(model, order, error)
     three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
     many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
     blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
@@ -232,7 +217,6 @@ class Contacts(Codec):
     """The codec; it has one size, and of a robot given by code one for each error."""
 
     name = "contacts"
-    families: ClassVar = {"float": "points"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""
@@ -240,12 +224,10 @@ class Contacts(Codec):
             return (
                 "codec contacts needs floating point (square roots and divisions); use --codec grid"
             )
+        problem = None if model.is_tripod else many_refusal(model)
         try:
-            problem = None if model.is_tripod else many_refusal(model)
-            if problem is None and model.recipe.python is not None:
-                off_of(model, self.sizes(model)[0])
-            elif problem is None:
-                terms_of(model.recipe, model.radius, _order(model)[0])
+            if problem is None:
+                _tables(model, self.sizes(model)[0])
         except InputError as error:
             return str(error)
         return problem
@@ -259,13 +241,6 @@ class Contacts(Codec):
     def encode(self, model: Model, channels: Channels, spec: Spec) -> Tables:
         """Return the tables: every channel is computed from the same."""
         return _tables(model, spec)
-
-    def exact(self, model: Model) -> bool:
-        """Return True if nothing else need be tried.
-
-        For three points given by code, `grid` has a smaller runtime; it needs such a bound.
-        """
-        return model.recipe.python is None or least_edge_of(model) <= 0.0
 
 
 INFO = Contacts()

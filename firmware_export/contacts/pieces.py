@@ -44,29 +44,11 @@ def pieces_of(
 ) -> tuple[list[Floats], Floats]:
     """Return knots and series that are off by less than about `error` (length).
 
-    Parameters
-    ----------
-    model : Model
-        Its box is widened by what sensors may say beyond its ends.
-    order : tuple of int
-        Places of the contacts in the recipe, in the order of the series.
-    error : float
-        Length.
-    common : bool
-        True if the groups are minus the com, and contacts in the robot's own frame; else contacts
-        relative to the com.
-
-    Returns
-    -------
-    list of (p + 1,) float64
-        The knots of each axis, rad or length, exact in single precision.
-    (p_1, ..., p_k, n_1, ..., n_k, groups, 3) float64
-        Coefficients of T_a1(s_1) ... T_ak(s_k) with s from -1 to 1 over a piece, length.
-
-    Raises
-    ------
-    InputError
-        Where the positions jump, or too many pieces would be needed.
+    The box is widened by what sensors may say.  The knots (p + 1,) of each axis, rad or length, are
+    exact in single precision.  The series (p_1, ..., p_k, n_1, ..., n_k, groups, 3) have the
+    coefficients of T_a1(s_1) ... T_ak(s_k) with s from -1 to 1 over a piece, length.  Groups are
+    contacts relative to the com, or if it is `common`, minus the com and contacts in the robot's
+    own frame.  Positions that jump or need too many pieces are refused.
     """
     box = widened(model)
 

@@ -12,7 +12,6 @@ holds for all that a grid as dense can show.  Ends, cuts and random postures are
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,16 +102,10 @@ class Series:
             yield CArray("codes", "uint8_t", packed, "coefficients, three bytes each")
 
 
-@lru_cache(maxsize=8)
 def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
     """Return the smaller of the tables that are off by less than about `error` (length).
 
-    `order` is that of the recipe's contacts in them.
-
-    Raises
-    ------
-    InputError
-        If there are none.
+    `order` is that of the recipe's contacts in them; what has no such series is refused.
     """
     if model.k > MOST_PARAMETERS:
         raise InputError(
@@ -210,16 +203,7 @@ PLACES, POSTURES, SEED = (1, 20_001, 301, 46), 30_000, 13
 def most_off(model: Model, host: Host, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
     """Return a bound of how far (length) any contact of the C is from the real one.
 
-    Parameters
-    ----------
-    model : Model
-        The robot; looked at as far beyond its box as sensors may say.
-    host : Host
-        A map with its tables of positions; nothing else of it counts.
-    order : tuple of int
-        The recipe's contacts as the map has them.
-    knots : tuple of (p,) float64
-        Where the tables are cut.
+    `host` reads the series, in which contacts have an `order`, and which are cut at `knots`.
     """
     box = widened(model)
 

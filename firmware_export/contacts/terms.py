@@ -38,8 +38,7 @@ class Terms:
 
     `angles`: (parameter, rate) of each angle; `travels`: parameters; `products`: pairs of entries;
     `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far
-    (length) a contact of the runtime is from the real one; `knots`: where axes of parameters are
-    cut, nowhere.
+    (length) a contact of the runtime is from the real one.
     """
 
     angles: tuple[tuple[int, float], ...]
@@ -52,7 +51,6 @@ class Terms:
     near: bool
     radii: Floats
     error: float
-    knots: tuple[Floats, ...] = ()
 
     @property
     def entries(self) -> int:
@@ -115,12 +113,7 @@ def head(
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
     """Return the tables of a robot whose contacts (and axles) stand in an order of our own.
 
-    Axes of discs are there only if `turning`.
-
-    Raises
-    ------
-    InputError
-        Where the runtime has no room for it.
+    Axes of discs are there only if `turning`; what the runtime has no room for is refused.
     """
     closed = closed_form(recipe)
     moving = any(monomial for monomial in closed.com.terms)

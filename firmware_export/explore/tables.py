@@ -33,8 +33,8 @@ class Answers:
 
 def answers_of_recipe(recipe: Recipe) -> Answers:
     """Return tables of the codec that needs no search; refuse a robot that the page cannot hold."""
-    drawn, info, model = _drawn(recipe), codec(QUICK), Model(recipe)
-    export = info.export(model, "explored", EXPORTABLE)
+    model = Model(recipe)
+    drawn, export = _drawn(model), codec(QUICK).export(model, "explored", EXPORTABLE)
     guard = float(export.tables.guard)
     return Answers(describe(export), drawn, f"codec {QUICK}, made for this page", guard)
 
@@ -50,12 +50,12 @@ def answers_of_export(folder: ExportFolder) -> Answers:
     about = f"export {report['name']}, {report['spec']}, {report['arithmetic']} arithmetic"
     if report.get("points"):
         about += f", certified on {report['points']:,} points: {report['false_safe']} falsely safe"
-    return Answers(folder.blob, _drawn(recipe), about, math.radians(report["guard_deg"]))
+    return Answers(folder.blob, _drawn(Model(recipe)), about, math.radians(report["guard_deg"]))
 
 
-def _drawn(recipe: Recipe) -> Blob:
+def _drawn(model: Model) -> Blob:
     """Return what the picture is made from; refuse a robot that the page cannot compute."""
-    model = Model(recipe)
+    recipe = model.recipe
     if recipe.python is not None:
         reason: str | None = "it is given by code"
     elif recipe.has_wrench:

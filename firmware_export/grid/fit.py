@@ -33,7 +33,6 @@ from firmware_export.grid.train import (
 from firmware_export.model import Model, Sample, biased, on_chart, uniform, uniform_directions
 from lutgen.arrays import Floats, Singles
 from lutgen.errors import ExportError
-from lutgen.mapping import TO_STAND
 from lutgen.support import TIPS
 
 # Points of the sample; directions of a posture, postures that share them.
@@ -128,12 +127,6 @@ def learn(model: Model) -> Lesson:
         np.concatenate([one[at].ravel() for one in parts])[order] for at in range(1, 5)
     )
     stands = aim >= STANDS
-    if not stands.any():
-        raise ExportError(
-            f"{model.recipe.source}: key `robot.contact`: the export would only ever answer that "
-            f"the robot tips (got none of {len(aim):,} postures and directions in which it "
-            f"stands); {TO_STAND}."
-        )
     chart = place[stands, -2:]
     low = np.maximum(np.floor(chart.min(axis=0)) - SPARE, 0.0).astype(np.float64)
     high = np.minimum(np.ceil(chart.max(axis=0)) + SPARE, WHOLE).astype(np.float64)

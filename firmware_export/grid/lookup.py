@@ -7,9 +7,6 @@ wrong positions can turn a tip-over plane (`across`).
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
-
-import numpy as np
 
 from firmware_export.grid.points import (
     MOST_AXES,
@@ -21,7 +18,7 @@ from firmware_export.grid.points import (
     reach_of,
     turned,
 )
-from firmware_export.model import Cells, Model, least_edge_of, rounds, sensor_tolerance, widened
+from firmware_export.model import Model, least_edge_of, rounds, sensor_tolerance, widened
 from firmware_export.protocol import CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
 
@@ -96,22 +93,11 @@ class Tables(AnyTables):
         pose = POSE_I if integer else POSE
         return CBody(TABLES, tuple(arrays), 3, (), pose, self.unit, rounded=ROUNDED)
 
-    def cells(self, model: Model) -> Cells:
-        """Return the knots of the tables."""
-        knots = []
-        for axis, p in enumerate(model.recipe.parameters):
-            room = sensor_tolerance(p) / (p.maximum - p.minimum)
-            counts = [n[axis] for n in self.spec.nodes]
-            t = np.linspace(0.0, 1.0, max(*counts, 2)) * (1.0 + 2.0 * room) - room
-            knots.append(np.unique(np.clip(t, 0.0, 1.0)))
-        return tuple(knots)
-
 
 class Lookup(Codec):
     """The codec; it grows along the parameter whose chords are furthest from their arcs."""
 
     name = "grid"
-    families: ClassVar = {"float": "tables", "integer": "tables_i"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""

@@ -6,7 +6,6 @@ make the numbers.
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +113,6 @@ class Trained(Codec):
     """The codec: one size, as large as may be; it trains for minutes."""
 
     name = "grid"
-    families: ClassVar = {"integer": "grid"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:
         """Return why the codec cannot be used, or None."""

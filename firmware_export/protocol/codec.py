@@ -1,15 +1,14 @@
 """Say what a codec is, what it hands over, and what an export of it is: others use only this."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from firmware_export.model import Cells, Model
+from firmware_export.model import Model
 from firmware_export.protocol.policy import Policy
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -120,10 +119,6 @@ class Tables(ABC):
     def body(self, integer: bool) -> CBody:
         """Return the codec's part of the blob, read with floats or without."""
 
-    def cells(self, model: Model) -> Cells | None:
-        """Return the knots of the tables, in whose middles errors are largest."""
-        return None
-
     def guarded(self, guard: float) -> Self | None:
         """Return the tables with a larger guard (rad), None if that would prove nothing."""
         return None
@@ -137,11 +132,10 @@ class Codec(ABC):
     """A way to hold a robot.
 
     Two codecs may share a `name`, by which people call them: then at most one of them holds a given
-    robot.  `families` are those of the runtime for each arithmetic.
+    robot.
     """
 
     name: str
-    families: ClassVar[Mapping[str, str]]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:
@@ -170,10 +164,6 @@ class Codec(ABC):
         spec = self.sizes(model, channels)[0] if spec is None else spec
         tables = self.encode(model, channels, spec)
         return Export(name, model.recipe, model, self.name, arithmetic, channels, tables)
-
-    def exact(self, model: Model) -> bool:
-        """Return True if no other codec need be tried if this one will do."""
-        return False
 
 
 @dataclass(frozen=True, eq=False)

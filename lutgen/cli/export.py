@@ -8,9 +8,8 @@ from typing import Any
 
 import click
 
-import firmware_export
 from lutgen.cli import options as given
-from lutgen.cli.lazy import folders, maps, onboard
+from lutgen.cli.lazy import exports, folders, maps, onboard
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
 from lutgen.cli.output import aligned, entries, show
 from lutgen.quantities import EXPORTABLE
@@ -112,7 +111,7 @@ def export(source: str, options: ExportOptions) -> None:
         log.info("%s", text)
 
     try:
-        report = firmware_export.export(
+        report = exports.export(
             open_source(source, options.allow_python),
             options.output,
             progress=progress,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import numpy as np
 
+    import firmware_export as exports
     from firmware_export import control as onboard
     from firmware_export import device as devices
     from firmware_export import emit as folders
@@ -33,7 +34,7 @@ else:
         def __getattr__(self, name: str) -> Any:
             return getattr(import_module(self._name), name)
 
-    np = Room("numpy")
+    np, exports = Room("numpy"), Room("firmware_export")
     onboard, devices, folders = (
         Room(f"firmware_export.{name}") for name in ("control", "device", "emit")
     )

@@ -39,7 +39,7 @@ def off_at(one, params):
 def test_no_contact_is_further_off_than_was_said_at_100_000_postures(name):
     for error in (COARSEST[name], 3e-6):
         one = export_of(name, error)
-        said = contacts.off_of(one.model, one.tables.spec)
+        said = contacts.off_of(one.model, one.tables.spec, one.tables.terms)
         places = np.random.default_rng(41).random((100_000, one.model.k))
         seen = off_at(one, widened(one.model).at(places).astype(np.float32)).max()
         assert seen <= said

@@ -4,7 +4,6 @@ import functools
 import math
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import ClassVar
 
 import pytest
 
@@ -13,6 +12,7 @@ from firmware_export import choose as chooser
 from firmware_export.choose import Candidate, Goal, Trials, choose
 from firmware_export.codecs import codec, named, usable
 from firmware_export.model.exact import Model
+from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import rover, tripod
@@ -39,7 +39,6 @@ class Formula:
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     largest: int = 30
     false_tip: object = lambda spec: 0.0
-    families: ClassVar = {"float": "points"}
 
     def sizes(self, *_):
         """Return sizes, each a node more along the axis that adds most to the error."""
@@ -50,9 +49,6 @@ class Formula:
             nodes[parts.index(max(parts))] += 1
             found.append(Spec(tuple(nodes)))
         return found
-
-    def exact(self, model):
-        return False
 
     def size(self, spec):
         return math.prod(spec.nodes)
@@ -72,36 +68,43 @@ class Paper(Trials):
 
     def try_out(self, codec, spec):
         if (codec, spec) not in self.tried:
-            size, error = codec.size(spec), {"sdg": codec.error(spec)}
+            size, error = codec.size(spec), codec.error(spec)
             export = SimpleNamespace(codec=codec.name, tables=SimpleNamespace(spec=spec))
             given_up = codec.false_tip(spec)
-            self.tried[codec, spec] = Candidate(export, size + CODE, error, given_up, 0)
+            measured = SimpleNamespace(error=lambda relative: error, false_tip=given_up)
+            self.tried[codec, spec] = Candidate(export, size + CODE, measured)
         return self.tried[codec, spec]
 
 
+def goal(flash, percent):
+    return Goal(flash, None if percent is None else ErrorBound(percent, relative=True))
+
+
 def best(formula, flash, percent):
-    return choose(Paper(), [formula], Goal(flash, percent))
+    return choose(Paper(), [formula], goal(flash, percent))
 
 
 def test_the_smallest_listed_size_that_holds_an_error_is_found_in_few_trials():
     for percent in (20.0, 5.0, 2.0, 1.0, 0.3):
         paper, formula = Paper(), Formula()
-        found = choose(paper, [formula], Goal(None, percent))
-        holding = [one for one in formula.sizes() if formula.error(one) <= percent / 1.3]
+        found = choose(paper, [formula], goal(None, percent))
+        holding = [one for one in formula.sizes() if formula.error(one) <= percent / Goal.margin]
         assert found.total == min(map(formula.size, holding)) + CODE, percent
         assert len(paper.tried) <= 8
 
 
-def test_of_two_codecs_the_better_is_chosen():
-    codecs = [Formula("contacts", weights=(0.2, 0.05, 0.01)), Formula()]
-    for order in (codecs, codecs[::-1]):
-        assert choose(Paper(), order, Goal(None, 1.0)).export.codec == "contacts"
+def test_the_first_codec_that_meets_the_goal_is_taken_and_no_other_tried():
+    codecs = [Formula("contacts", largest=6), Formula()]
+    for percent, name in ((5.0, "contacts"), (1.0, "grid")):
+        paper = Paper()
+        assert choose(paper, codecs, goal(None, percent)).export.codec == name
+        assert {codec.name for codec, _ in paper.tried} == {"contacts", name}
 
 
 def test_both_limits_hold_or_the_error_names_the_nearest():
     found = best(Formula(), 10_000, 2.0)
     assert found.total <= 10_000
-    assert found.error <= 2.0 / 1.3
+    assert found.certificate.error(True) <= 2.0 / Goal.margin
     with pytest.raises(ExportError, match="smallest there is"):  # code counts as flash
         best(Formula(), CODE, None)
     with pytest.raises(ExportError) as caught:
@@ -122,8 +125,8 @@ def test_an_export_that_gives_up_little_goes_before_a_smaller_one():
     # Where all give up much, the one that gives up least.
     paper = Paper()
     much = Formula(false_tip=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
-    found = choose(paper, [much], Goal(None, 5.0))
-    holding = [one for one in paper.tried.values() if one and one.error <= 5.0 / 1.3]
+    found = choose(paper, [much], goal(None, 5.0))
+    holding = [one for one in paper.tried.values() if goal(None, 5.0).holds(one)]
     assert found.false_tip == min(one.false_tip for one in holding)
 
 
@@ -149,17 +152,21 @@ def test_a_trained_table_takes_the_flash_that_there_is_and_keeps_the_error_or_is
     monkeypatch,
 ):
     # Four wheels, one of which lifts off.
-    monkeypatch.setattr(chooser, "POINTS", 6_000)
-    bench = Trials(robot_of(rover()), "rover", ("sdg", "tip_angle"), "integer")
+    monkeypatch.setattr(chooser, "POINTS", 12_000)
+    bench, other = (
+        Trials(robot_of(rover()), "rover", channels, "integer")
+        for channels in (("sdg", "tip_angle"), ("tip_angle", "height"))
+    )
     codecs = usable(bench.model, "integer", "grid")
     with few_points():
-        found = choose(bench, codecs, Goal(6_000, 30.0))
+        found = choose(bench, codecs, goal(6_000, 30.0))
         assert len(bench.tried) == 1
         assert 5_000 < found.total <= 6_000
-        assert Goal(6_000, 30.0).holds(found)
+        assert goal(6_000, 30.0).holds(found)
+        assert goal(None, 90.0).holds(choose(other, codecs, goal(6_000, 90.0)))
         said = r"6,000 bytes of flash and an error of 0.1 %.*nearest"
         with pytest.raises(ExportError, match=said):
-            choose(bench, codecs, Goal(6_000, 0.1))
+            choose(bench, codecs, goal(6_000, 0.1))
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):
@@ -172,6 +179,6 @@ def test_where_no_size_can_be_encoded_the_reason_is_told_once(monkeypatch):
     grid = codec("grid")
     monkeypatch.setattr(grid, "encode", encode)
     with pytest.raises(ExportError, match="no codec could encode the robot") as caught:
-        choose(bench, [grid], Goal(8_000, None))
+        choose(bench, [grid], goal(8_000, None))
     assert "grid: tripod.toml: its region has too many pieces; choose another)" in str(caught.value)
     assert str(caught.value).startswith(f"{place}: no codec")

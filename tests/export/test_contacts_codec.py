@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.choose import Trials
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.many import many_of, order_of, shown_contacts
 from firmware_export.exporter import examine, guarded
@@ -86,22 +85,21 @@ def test_axles_may_point_either_way(axle):
 def test_a_guard_that_is_too_small_is_made_as_large_as_points_need():
     # Tables of a robot whose com is a little further ahead say too much of tipping backwards.
     export = export_of(parse_recipe(rover()))
-    trials = Trials(export.model, "rover", EXPORTABLE, "float")
 
     def told_by(ahead):
         other = Model(parse_recipe(rover(ahead=ahead)))
         return replace(export, tables=contacts.INFO.encode(other, EXPORTABLE, contacts.Spec()))
 
     bold = told_by(3e-4)
-    assert examine(bold, trials, None, 10_000).false_safe > 0
-    mended, certificate = guarded(bold, trials, None, 10_000)
+    assert examine(bold, None, 10_000).false_safe > 0
+    mended, certificate = guarded(bold, None, 10_000)
     assert certificate.false_safe == 0
     assert 0.0 < mended.tables.guard < 3e-3
     assert mended.tables.many.guard == pytest.approx(np.sin(mended.tables.guard))
     assert mended.tables.guard_text.count("as much as points needed") == 1
     # What is wrong by more than any rounding is not hidden by a guard.
     wild = told_by(0.05)
-    kept, certificate = guarded(wild, trials, None, 10_000)
+    kept, certificate = guarded(wild, None, 10_000)
     assert certificate.false_safe > 0
     assert kept.tables.guard == wild.tables.guard
 
