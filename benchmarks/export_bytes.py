@@ -61,7 +61,7 @@ def ours(model: Model, sample: Sample, span: float) -> dict[str, list[Result]]:
         found = results[f"**{codec.name}**, with verdict and height"] = []
         for one in filter(None, trials.tried.values()):
             off = device(one.export).measure(sample).errors("sdg").max()
-            found.append(Result(one.export.tables.bytes, float(100.0 * off / span), one.label))
+            found.append(Result(one.total, float(100.0 * off / span), one.label))
     return results
 
 

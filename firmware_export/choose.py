@@ -102,7 +102,8 @@ def examine(
     reader = device(export)
     if export.tables.tested:
         return put_to_test(reader, export.channels, bound, points, seed)
-    return certify(reader, export.channels, bound, points, seed)
+    cells = export.tables.cells(export.model)
+    return certify(reader, export.channels, cells, bound, points, seed)
 
 
 def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:

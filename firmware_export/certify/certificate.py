@@ -16,7 +16,7 @@ import numpy as np
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
 from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
 from firmware_export.certify.jumps import largest_jump
-from firmware_export.model import biased, uniform
+from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
@@ -130,21 +130,22 @@ def _beyond(errors: Floats, bound: ErrorBound | None, span: float) -> float | No
 def certify(
     reader: Reader,
     channels: Sequence[str],
+    cells: Cells | None = None,
     bound: ErrorBound | None = None,
     points: int = POINTS,
     seed: int = SEED,
 ) -> Certificate:
     """Measure what answers for an export; with `false_safe` above 0 it must not be used.
 
-    `bound` is the error requested, to count the points beyond it; `seed` is one that no fit and no
-    choice has used.
+    `cells` are the knots of its table, in whose middles errors are largest; `bound` is the error
+    requested, to count the points beyond it; `seed` is one that no fit and no choice has used.
     """
     model, half, worst = reader.model, -(-points // 2), None
     share = min(1.0, points / POINTS)
     count, rounds = (max(LEAST, round(share * most)) for most in (STARTS, ROUNDS))
     # Two at a time that do not depend on each other: what Python does in one waits for no core.
     with ThreadPoolExecutor(1) as pool:
-        near = pool.submit(biased, model, half, seed, True)
+        near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
         height = largest_jump(model)
         seen = [even, reader.measure(near.result())]

@@ -18,7 +18,7 @@ from firmware_export.contacts.series import Series, most_off, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.model import Model, rounds
+from firmware_export.model import Cells, Model, rounds
 from firmware_export.protocol import CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from lutgen.errors import InputError
@@ -150,6 +150,13 @@ class Tables(AnyTables):
         numbers = (*self.many.numbers[:-1], sine)
         many = self.many._replace(guard=sine, text=text, numbers=numbers)
         return replace(self, many=many, guard=guard, guard_text=text)
+
+    def cells(self, model: Model) -> Cells:
+        """Return where the ends of the axes are, and where series are cut."""
+        cuts = [one[1:-1] for one in self.terms.knots] or [np.zeros(0)] * model.k
+        axes = zip(cuts, model.lower, model.upper - model.lower, strict=True)
+        ends = [np.concatenate([[0.0], (one - low) / width, [1.0]]) for one, low, width in axes]
+        return tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends)
 
 
 @lru_cache(maxsize=4)

@@ -38,7 +38,8 @@ class Terms:
 
     `angles`: (parameter, rate) of each angle; `travels`: parameters; `products`: pairs of entries;
     `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far
-    (length) a contact of the runtime is from the real one.
+    (length) a contact of the runtime is from the real one; `knots`: where axes of parameters are
+    cut, nowhere.
     """
 
     angles: tuple[tuple[int, float], ...]
@@ -51,6 +52,7 @@ class Terms:
     near: bool
     radii: Floats
     error: float
+    knots: tuple[Floats, ...] = ()
 
     @property
     def entries(self) -> int:

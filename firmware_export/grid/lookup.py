@@ -8,6 +8,8 @@ wrong positions can turn a tip-over plane (`across`).
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from firmware_export.grid.points import (
     MOST_AXES,
     Point,
@@ -18,7 +20,7 @@ from firmware_export.grid.points import (
     reach_of,
     turned,
 )
-from firmware_export.model import Model, least_edge_of, rounds, sensor_tolerance, widened
+from firmware_export.model import Cells, Model, least_edge_of, rounds, sensor_tolerance, widened
 from firmware_export.protocol import CArray, CBody, Channels, Codec
 from firmware_export.protocol import Tables as AnyTables
 
@@ -92,6 +94,16 @@ class Tables(AnyTables):
         arrays += [CArray("codes", ctype, one.codes, "x, y, z of each node") for one in self.points]
         pose = POSE_I if integer else POSE
         return CBody(TABLES, tuple(arrays), 3, (), pose, self.unit, rounded=ROUNDED)
+
+    def cells(self, model: Model) -> Cells:
+        """Return the knots of the tables."""
+        knots = []
+        for axis, p in enumerate(model.recipe.parameters):
+            room = sensor_tolerance(p) / (p.maximum - p.minimum)
+            counts = [n[axis] for n in self.spec.nodes]
+            t = np.linspace(0.0, 1.0, max(*counts, 2)) * (1.0 + 2.0 * room) - room
+            knots.append(np.unique(np.clip(t, 0.0, 1.0)))
+        return tuple(knots)
 
 
 class Lookup(Codec):

@@ -1,8 +1,8 @@
 """Choose where an export is measured: postures of the box and directions of the chart.
 
 `uniform` stands for the configurations that a robot meets; `biased` goes where tables err most:
-faces, edges and corners of the box, the rim of the chart, the middles between, and both sides of
-the tip-over boundary.  The same seed gives the same points.
+faces, edges and corners of the box, the rim of the chart, the middles of a table's cells, and both
+sides of the tip-over boundary.  The same seed gives the same points.
 """
 
 import itertools
@@ -137,6 +137,10 @@ class Sample(NamedTuple):
         return int(self.gravity.shape[0] * self.gravity.shape[1])
 
 
+# Knots (n,) of a table along each parameter, normalised to 0..1.
+Cells = tuple[Floats, ...]
+
+
 def per_posture(model: Model) -> int:
     """Return how many directions each posture should be given."""
     return FEW if model.is_tripod else MANY
@@ -200,16 +204,17 @@ def uniform(model: Model, points: int, seed: int) -> Sample:
     return Sample(uniform_params(model, rng, m), uniform_directions(model, rng, (m, d)))
 
 
-def _middles(low: float, high: float, rng: np.random.Generator, count: int) -> Floats:
-    """Return the middle between two ends, and a third of the time one of them instead."""
-    end = rng.random(count) < 1 / 3
-    return np.asarray(np.where(end, rng.choice([low, high], count), 0.5 * (low + high)))
+def _middles(knots: Floats, rng: np.random.Generator, count: int) -> Floats:
+    """Return middles of random cells, and a third of the time a random knot instead."""
+    cell = rng.integers(0, len(knots) - 1, count)
+    middle = 0.5 * (knots[cell] + knots[cell + 1])
+    return np.asarray(np.where(rng.random(count) < 1 / 3, rng.choice(knots, count), middle))
 
 
-def _biased_params(model: Model, rng: np.random.Generator, m: int, middles: bool) -> Floats:
+def _biased_params(model: Model, rng: np.random.Generator, m: int, cells: Cells | None) -> Floats:
     """Return postures (m, k): a half on faces, edges and corners of the box or just inside.
 
-    The other half lies anywhere, or where all contacts are most alike: at middles and ends.
+    The other half lies on the middles and knots of the table's cells, or anywhere.
     """
     t = _spread(rng, m, model.k)
     side = rng.integers(0, 2, t.shape).astype(np.float64)
@@ -217,21 +222,22 @@ def _biased_params(model: Model, rng: np.random.Generator, m: int, middles: bool
     share = rng.integers(1, model.k + 1, (m, 1)) / model.k if model.k else np.zeros((m, 1))
     hair = np.where(rng.random(t.shape) < 0.7, 0.0, 10.0 ** rng.uniform(-6.0, -2.0, t.shape))
     ends = np.where(rng.random(t.shape) < share, np.abs(side - hair), t)
-    for column in range(model.k if middles else 0):
-        t[:, column] = _middles(0.0, 1.0, rng, m)
+    for column, knots in enumerate(cells or ()):
+        t[:, column] = _middles(knots, rng, m)
     return to_box(model, np.where(np.arange(m)[:, None] % 2 == 0, ends, t))
 
 
 def _rim_directions(
-    model: Model, rng: np.random.Generator, shape: tuple[int, int], middles: bool
+    model: Model, rng: np.random.Generator, shape: tuple[int, int], cells: Cells | None
 ) -> Floats:
-    """Return directions on the rim of the chart, the seams of its faces, or their middles."""
+    """Return directions on the rim of the chart (or the seams of its faces), or of cells."""
     limit = model.chart_limit
     u, v = rng.uniform(-limit, limit, (2, *shape))
     kind = rng.integers(0, 3, shape)
-    if middles:
-        places = [_middles(-limit, limit, rng, u.size).reshape(shape) for _ in range(2)]
-        u, v = np.where(kind == 2, places, (u, v))
+    if cells is not None:
+        rim = np.array([-limit, limit])
+        middles = [_middles(rim, rng, u.size).reshape(shape) for _ in range(2)]
+        u, v = np.where(kind == 2, middles, (u, v))
     u = np.where(kind != 2, np.copysign(limit, u), u)
     v = np.where(kind == 1, np.copysign(limit, v), v)
     swap = rng.random(shape) < 0.5
@@ -239,30 +245,30 @@ def _rim_directions(
     return unit(model.uv_to_gravity(rng.integers(0, model.faces, shape), u, v))
 
 
-def biased(model: Model, points: int, seed: int, middles: bool = False) -> Sample:
+def biased(model: Model, points: int, seed: int, cells: Cells | None = None) -> Sample:
     """Return at least `points` points where tables err most.
 
     Three in four of each posture's directions are beside the tip-over boundary, the others on the
-    rim of the chart; with `middles` some postures and directions are in the middle of axes.
+    rim of the chart or on the middles of the table's cells.
     """
     m = -(-points // per_posture(model))
     cuts = [m * part // PARTS for part in range(PARTS + 1)]
     with ThreadPoolExecutor(PARTS) as pool:
         jobs = [
-            pool.submit(_biased_part, model, after - before, [seed, 1, part], middles)
+            pool.submit(_biased_part, model, after - before, [seed, 1, part], cells)
             for part, (before, after) in enumerate(itertools.pairwise(cuts))
             if before < after
         ]
         return join([job.result() for job in jobs])
 
 
-def _biased_part(model: Model, m: int, seed: list[int], middles: bool) -> Sample:
+def _biased_part(model: Model, m: int, seed: list[int], cells: Cells | None) -> Sample:
     """Return m postures of `biased`."""
     rng = np.random.default_rng(seed)
     d = per_posture(model)
-    params = _biased_params(model, rng, m, middles)
+    params = _biased_params(model, rng, m, cells)
     gravity = uniform_directions(model, rng, (m, d))
     rims = -(-d // 4)
-    gravity[:, :rims] = _rim_directions(model, rng, (m, rims), middles)
+    gravity[:, :rims] = _rim_directions(model, rng, (m, rims), cells)
     gravity[:, rims:] = beside_boundary(model, rng, params, gravity, d - rims)
     return Sample(params, gravity)

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from firmware_export.model import Model
+from firmware_export.model import Cells, Model
 from firmware_export.protocol.policy import Policy
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -118,6 +118,10 @@ class Tables(ABC):
     @abstractmethod
     def body(self, integer: bool) -> CBody:
         """Return the codec's part of the blob, read with floats or without."""
+
+    def cells(self, model: Model) -> Cells | None:
+        """Return the knots of the tables, in whose middles errors are largest."""
+        return None
 
     def guarded(self, guard: float) -> Self | None:
         """Return the tables with a larger guard (rad), None if that would prove nothing."""
