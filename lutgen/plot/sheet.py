@@ -70,10 +70,13 @@ def resize(figure: Figure) -> None:
     figure.set_size_inches(figure.get_size_inches() * scale)
     ticks = set()
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
-        tick: Any = axis.get_major_ticks()[0]
-        look = {"labelsize": tick.label1.get_fontsize(), "length": tick.tick1line.get_markersize()}
-        look |= {"width": tick.tick1line.get_markeredgewidth(), "pad": tick.get_pad()}
-        axis.set_tick_params(**{name: scale * value for name, value in look.items()})
+        # The short side of a colour bar has no ticks.
+        first: list[Any] = axis.get_major_ticks()[:1]
+        for tick in first:
+            look: dict[str, Any] = {"labelsize": tick.label1.get_fontsize()}
+            look |= {"length": tick.tick1line.get_markersize(), "pad": tick.get_pad()}
+            look |= {"width": tick.tick1line.get_markeredgewidth()}
+            axis.set_tick_params(**{name: scale * value for name, value in look.items()})
         axis.labelpad *= scale
         ticks |= {id(part) for tick in axis.get_major_ticks() for part in tick.findobj()}
     sizes = ("fontsize", "markersize", "markeredgewidth", "linewidth", "mutation_scale")
