@@ -92,13 +92,6 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
         Ends of the axes relative to the com; start x stop points to the inner side.
     force : (..., 3) array_like
         Resultant force at the com, pointing down for gravity; a unit vector measures in weights.
-
-    Examples
-    --------
-    A com 1 above the ground and 0.2 beside an axis:
-
-    >>> float(axis_force_angle([-0.2, -0.7, -1], [-0.2, 1.3, -1], [0, 0, -9.81]).round(9))
-    0.387290088
     """
     begin, end, pull = (np.asarray(part, dtype=np.float64) for part in (start, stop, force))
     edge = end - begin

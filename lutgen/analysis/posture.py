@@ -107,13 +107,6 @@ class Posture:
     """One geometry of a robot: its parameters (k,), rad or the recipe's length unit.
 
     `row` (1, k) are these parameters as functions of many postures take them.
-
-    Examples
-    --------
-    >>> from lutgen.recipe.recipe import load_recipe
-    >>> posture = Posture(load_recipe("maps/paper_one.toml"), [0.75])
-    >>> [facet.contacts for facet in posture.stance.facets]
-    [(0, 2, 1)]
     """
 
     def __init__(self, recipe: Recipe, params: ArrayLike) -> None:

@@ -38,13 +38,7 @@ EQUAL = 1e-12
 
 
 def tilted(tilt: ArrayLike, heading: ArrayLike) -> Floats:
-    """Return gravity directions (..., 3), unit, at tilts and headings (rad) of one shape (...).
-
-    Examples
-    --------
-    >>> tilted(math.pi / 2, [0.0, math.pi / 2]).round(12).tolist()
-    [[1.0, 0.0, -0.0], [0.0, 1.0, -0.0]]
-    """
+    """Return gravity directions (..., 3), unit, at tilts and headings (rad) of one shape (...)."""
     t, psi = np.broadcast_arrays(np.asarray(tilt, np.float64), np.asarray(heading, np.float64))
     return np.stack([np.sin(t) * np.cos(psi), np.sin(t) * np.sin(psi), -np.cos(t)], axis=-1)
 

@@ -194,13 +194,6 @@ def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> 
 
     (k, 2), NaN throughout where the geometry `best` (k,) itself exceeds the limit.  While one
     parameter varies the others keep its values; intervals end at the `bounds` (k, 2) at the latest.
-
-    Examples
-    --------
-    >>> bowl = lambda x: (x**2).sum(axis=1)
-    >>> acceptable_range(bowl, np.zeros(2), np.array([[-3.0, 3.0], [-1.0, 3.0]]), 4.0).round(9)
-    array([[-2.,  2.],
-           [-1.,  2.]])
     """
     result = np.full((len(best), 2), np.nan)
     if not cost(best[None, :])[0] <= limit:
