@@ -211,7 +211,7 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: one column, 89 wide]"
+        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: 203 wide]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
     style: str = option(
