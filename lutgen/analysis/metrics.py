@@ -86,12 +86,8 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     arm from the com to the axis, across it: theta is positive where the force keeps the robot down.
     An arc cosine would leave [-1, 1] by rounding where the com is over the axis.
 
-    Parameters
-    ----------
-    start, stop : (..., 3) array_like
-        Ends of the axes relative to the com; start x stop points to the inner side.
-    force : (..., 3) array_like
-        Resultant force at the com, pointing down for gravity; a unit vector measures in weights.
+    `start` and `stop` (..., 3) are the axes' ends relative to the com, start x stop pointing to the
+    inner side; `force` (..., 3) is the resultant at the com, a unit vector for weights.
     """
     begin, end, pull = (np.asarray(part, dtype=np.float64) for part in (start, stop, force))
     edge = end - begin

@@ -145,22 +145,11 @@ def wheel_speeds(
     direction and e the axis of the roller on the ground, t turned by gamma (Siegwart and
     Nourbakhsh, Introduction to Autonomous Mobile Robots, section 3.2.3).
 
-    Parameters
-    ----------
-    posture : Posture
-    velocity : (2,) array_like
-        How fast the centre of mass moves, length per second: along the part of the body's x axis in
-        the contact plane, and to the left of it.
-    yaw_rate : float
-        How fast the robot turns about the plane's upward normal, rad/s.
-    gravity_dir : (3,) array_like
-        Down, body frame, any length > 0; it only chooses the support facet.
-
-    Returns
-    -------
-    Motion
-        Also of an impossible motion, with its slip.  A steered wheel that is slower than a
-        millionth of the motion keeps the angle 0 and the speed 0.
+    `velocity` (2,) is that of the centre of mass, length per second: along the part of the body's x
+    axis in the contact plane, and to the left of it.  `yaw_rate` is about the plane's upward
+    normal, rad/s.  `gravity_dir` (3,) is down, body frame, any length > 0; it only chooses the
+    support facet.  An impossible motion comes with its slip.  A steered wheel that is slower than a
+    millionth of the motion keeps the angle 0 and the speed 0.
     """
     requested = np.array([*np.ravel(velocity), yaw_rate], np.float64)
     if requested.shape != (3,) or not (np.abs(requested) <= FASTEST).all():

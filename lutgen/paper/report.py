@@ -33,24 +33,10 @@ CURVE_EVERY = 50
 
 
 def write_report(directory: str | os.PathLike[str], force: bool = False) -> Path:
-    """Compute everything and write page, figures, tables and map into a folder.
+    """Compute everything, write page, figures, tables and map into a folder; return the page.
 
-    Parameters
-    ----------
-    directory : path
-        Made if it is not there.
-    force : bool
-        True if files that lutgen did not make may be replaced.
-
-    Returns
-    -------
-    pathlib.Path
-        The page.
-
-    Raises
-    ------
-    InputError
-        Where the folder cannot be written, or a file of the report would replace another's.
+    The folder is made if it is not there.  Refused if it cannot be written, or, without `force`, if
+    a file of the report would replace one that lutgen did not make.
     """
     begin = time.perf_counter()
     target = Path(directory)
