@@ -158,7 +158,7 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
         corners = pushing[None] / pushing.sum()
     arm = points @ frame.T
     arm = arm / np.abs(arm).max()
-    roll = np.cross(posture.disc_axes[list(facet.touching)], facet.normal) @ frame.T
+    roll = np.cross(posture.placed.axes[0, list(facet.touching)], facet.normal) @ frame.T
     size = np.linalg.norm(roll, axis=1, keepdims=True)
     roll = roll / np.where(size > 0.0, size, 1.0)
     free = [DISC if one.kind == "disc" else SPHERE for one in contacts]
@@ -267,7 +267,7 @@ def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
     discs = [i for i in facet.touching if recipe.contacts[i].kind == "disc"]
     remainder = float(facet.normal @ direction) * facet.normal
     if discs:
-        roll = np.cross(posture.disc_axes[discs], facet.normal)
+        roll = np.cross(posture.placed.axes[0, discs], facet.normal)
         roll /= np.linalg.norm(roll, axis=1, keepdims=True)
         aside = np.cross(facet.normal, roll[0])
         if np.abs(roll @ aside).max() > NOTHING:

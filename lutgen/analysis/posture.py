@@ -123,11 +123,6 @@ class Posture:
         """Where everything is, of one posture: centres (1, n, 3), axes (1, n, 3), com (1, 3)."""
         return forward(self.recipe, self.row)
 
-    @property
-    def disc_axes(self) -> Floats:
-        """The discs' unit axes (n, 3), zero for other contacts."""
-        return np.asarray(self.placed.axes[0])
-
     @cached_property
     def primitives(self) -> Floats:
         """The contacts as the kernels take them (n, 8), relative to the com."""

@@ -102,7 +102,7 @@ def by_forces(posture, direction, load=None):
         if part.rolling and part.kind == "sphere":
             continue
         if part.rolling:
-            x, y = frame @ np.cross(posture.disc_axes[i], facet.normal)
+            x, y = frame @ np.cross(posture.placed.axes[0, i], facet.normal)
             fan = (
                 np.array([[-y, x], [y, -x]]) / math.hypot(x, y) if part.kind == "disc" else rays[0]
             )
