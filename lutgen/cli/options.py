@@ -215,7 +215,7 @@ class FigureOptions:
     )
     # Those of `lutgen.plot`, which takes a second to import.
     style: str = option(
-        type=click.Choice(("journal", "slides", "dark")),
+        type=click.Choice(("journal", "dark")),
         default="journal",
         help="How the figure looks.",
     )

@@ -8,6 +8,6 @@ from lutgen.plot.contour import draw_steps
 from lutgen.plot.figure import KINDS, draw
 from lutgen.plot.path import animate, check_animation, draw_path
 from lutgen.plot.sphere import draw_hero
-from lutgen.plot.style import STYLES, on_sheet, save
+from lutgen.plot.style import on_sheet, save
 from lutgen.plot.tilt import draw_limits
 from lutgen.plot.uneven import draw_footing

@@ -48,15 +48,15 @@ P = ParamSpec("P")
 
 HERE = Path(__file__).parent
 WIDTH, RESOLUTION = 8.0, 200
-# Dots of a slide over those of a page; larger PNG files (bytes) get a palette.
-SLIDE, LARGEST = 1.2, 250_000
+# Larger PNG files (bytes) get a palette.
+LARGEST = 250_000
 # The mark of our files (lutgen/files.py); dates and versions would make two runs differ.
 METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": "lutgen"},
     ".svg": {"Date": None, "Creator": "lutgen"},
     ".pdf": {"CreationDate": None, "Creator": "lutgen", "Producer": "lutgen"},
 }
-STYLES = ("journal", "slides", "dark")
+STYLES = ("journal", "dark")
 INCH = 25.4
 # mm: letters of a narrower figure cannot be read, and a wider one is a poster.
 NARROWEST, WIDEST = 80.0, 1000.0
@@ -304,7 +304,6 @@ def save(
     InputError is raised for a file that lutgen did not make, unless `force` is set.
     """
     suffix, picture = known_suffix(path, "picture", METADATA), io.BytesIO()
-    dpi = round(SLIDE * dpi) if sheet().style == "slides" else dpi
     with house_style(), said_once():
         figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
     if suffix == ".png" and picture.tell() > LARGEST:
