@@ -110,7 +110,7 @@ def stop_speeds(
     if recipe.loaded or metre is None:
         return StopSpeeds(np.full(heading.shape, math.nan), math.nan)
     found = evaluate(recipe, posture.row, down, ("tip_angle", "energy_margin"))
-    facet, energy = posture.stance.under(down), float(found["energy_margin"][0, 0])
+    facet, energy = posture.under(down), float(found["energy_margin"][0, 0])
     if facet is None or found["tip_angle"][0, 0] < 0.0:
         return StopSpeeds(np.zeros(heading.shape), 0.0)
     level = np.stack([np.cos(heading), np.sin(heading), np.zeros(heading.shape)], axis=1)

@@ -139,7 +139,8 @@ def _seated(
     """Return the facet on which the robot stands, and gravity in the body frame (3,)."""
     posture = Posture(recipe, params)
     frame = level_frames(recipe, posture.row, "plane")[0]
-    facet = posture.stance_of_weight().under(-frame[:, 2])
+    posture.refuse_forces()
+    facet = posture.under(-frame[:, 2])
     if facet is None:
         values = ", ".join(f"{value:g}" for value in params) or "none"
         what, got = "the robot rests on nothing in a posture", f"parameters {values}, rad or length"

@@ -91,7 +91,7 @@ def by_forces(posture, direction, load=None):
     A linear programme over the forces themselves, and without a load over the normal forces, too;
     the circle of friction is a polygon of 360 sides inside it.
     """
-    facet = posture.stance.under(direction)
+    facet = posture.under(direction)
     assert facet is not None
     frame = facet.frame(direction)
     places, count = facet.touching_points @ frame.T, len(facet.touching)
@@ -142,7 +142,7 @@ def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_th
     for posture in postures:
         for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
-            facet = posture.stance.under(direction)
+            facet = posture.under(direction)
             assert facet is not None
             every = held_share(posture, facet, direction)
             some = held_share(posture, facet, direction, "some")
