@@ -269,7 +269,7 @@ def test_wrong_option_is_refused_in_one_sentence(two, kind, options, fragment):
 
 
 def test_options_that_the_map_cannot_answer_are_refused(two_map):
-    with pytest.raises(TypeError, match="channels"):
-        plot.draw("sphere", two_map, channels="sdg")
     refused(two_map, "contour", "recipe", channel="margin")
     refused(two_map, "contour", "recipe", gravity=(1.0, 0.0, -0.2))
+    with pytest.raises(TypeError, match="channels"):
+        plot.draw("sphere", two_map, channels="sdg")
