@@ -104,7 +104,7 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
         ours = compare_metrics(posture, LEVEL)
     except LutgenError:
         return None
-    facet = posture.stance_of_weight().under(LEVEL[0])
+    facet = posture.under(LEVEL[0])
     if facet is None or ours.level_status > 0.0 or not facet.is_rest:
         return None
     level = {name: ours.level[name] for name in OURS}

@@ -24,8 +24,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Facet, Posture
+from lutgen.analysis.tilt import gravity_transform
 from lutgen.channels import evaluate, evaluate_each
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.recipe import Recipe
@@ -110,7 +110,7 @@ def stop_speeds(
     if recipe.loaded or metre is None:
         return StopSpeeds(np.full(heading.shape, math.nan), math.nan)
     found = evaluate(recipe, posture.row, down, ("tip_angle", "energy_margin"))
-    facet, energy = posture.stance.under(down), float(found["energy_margin"][0, 0])
+    facet, energy = posture.under(down), float(found["energy_margin"][0, 0])
     if facet is None or found["tip_angle"][0, 0] < 0.0:
         return StopSpeeds(np.zeros(heading.shape), 0.0)
     level = np.stack([np.cos(heading), np.sin(heading), np.zeros(heading.shape)], axis=1)

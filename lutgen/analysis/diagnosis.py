@@ -76,18 +76,17 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     down = kernels.checked_directions(gravity_dir)
     values = kernels.measure_recipe(recipe, posture.placed, down[None], CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
-    stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
     standing = channels["tip_angle"] >= 0.0
     numbers_of = _loaded_numbers if recipe.loaded else _numbers
     k, numbers = numbers_of(posture, g, standing)
     tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
-    angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
+    angles = [axis.tip_angle if posture.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
     resultant = down[0] + wrench[kernels.PHI : kernels.MU]
     facet, pierced, slope = None, np.full(3, np.nan), math.nan
     if k >= 0:
-        facet = stance.facets[k]
+        facet = posture.facets[k]
         pierced = facet.pierced(resultant, wrench[kernels.MU : kernels.RHO])
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
@@ -132,7 +131,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
 
 def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
     """Return the facet on the ground; angle, margin and energy of the arcs of the boundary."""
-    region, convex = posture.stance.region, posture.stance.convex
+    region, convex = posture.region, posture.convex
     sign = 1.0 if standing else -1.0
     found = []
     for b in range(region.counts[ARCS]):
@@ -150,7 +149,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
 
 def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vector]]:
     """Return the same under a load, for which the energy margin is not defined."""
-    region, wrench = posture.stance.region, posture.wrench
+    region, wrench = posture.region, posture.wrench
     axes, found = kernels.empty_axes(), []
     kernels.find_axes(region, wrench, axes)
     for b in range(region.counts[ARCS]):
@@ -162,7 +161,7 @@ def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, l
 
 def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: float) -> TipAxis:
     """Return arc b of the boundary with its numbers."""
-    stance, names = posture.stance, posture.recipe.contact_names
-    i, j = (int(stance.region.source[c]) for c in stance.region.arc[b]["contacts"])
-    start, stop = stance.start[b], stance.stop[b]
-    return TipAxis((i, j), (names[i], names[j]), start, stop, angle, margin, energy)
+    axis, names = posture.axes[b], posture.recipe.contact_names
+    i, j = (int(posture.region.source[c]) for c in axis["contacts"])
+    ends = axis["start"].copy(), axis["stop"].copy()
+    return TipAxis((i, j), (names[i], names[j]), *ends, angle, margin, energy)

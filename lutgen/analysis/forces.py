@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels import axle_foot, smallest_shares
-from lutgen.vector import Floats, Vector
+from lutgen.vector import Floats, Vector, read3
 
 # Part of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on
 # it.  A tenth of what the balance may miss.
@@ -106,8 +106,8 @@ def loads_on(points: Floats, pierced: Floats, axle: Axle | None) -> tuple[Floats
         corners = load_corners(points, pierced)
         return corners, smallest_load(points, pierced, corners)
     i, j = axle.ends
-    ends = _vector(points[i]), _vector(points[j])
-    found = axle_foot(axle.line, axle.com, axle.mass, ends, _vector(pierced))
+    ends = read3(points[i]), read3(points[j])
+    found = axle_foot(axle.line, axle.com, axle.mass, ends, read3(pierced))
     foot, shift, (one, two, own) = found
     others = [k for k in range(len(points)) if k not in axle.ends]
     fewer, there = np.vstack([points[others], foot]), pierced + np.array(shift)
@@ -117,11 +117,6 @@ def loads_on(points: Floats, pierced: Floats, axle: Axle | None) -> tuple[Floats
     spread[:, others] = loads[:, :-1]
     spread[:, i], spread[:, j] = loads[:, -1] * one + own, loads[:, -1] * two - own
     return spread[:-1], spread[-1]
-
-
-def _vector(point: Floats) -> Vector:
-    x, y, z = point.tolist()
-    return x, y, z
 
 
 def heuristic_forces(points: Floats, pierced: Floats) -> Floats:

@@ -120,7 +120,7 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
         way_out = "add one, for example friction = 0.8, to learn where the robot slides"
         reject(recipe.source, what, "no `robot.friction`", way_out, InputError)
     mu = recipe.friction
-    normals = np.array([facet.normal for facet in posture.stance.facets]).reshape(-1, 3)
+    normals = np.array([facet.normal for facet in posture.facets]).reshape(-1, 3)
 
     def slides(down: Floats) -> NDArray[np.bool_]:
         facet = evaluate(recipe, posture.row, down, ("facet",))["facet"][0]
@@ -158,7 +158,7 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
         corners = pushing[None] / pushing.sum()
     arm = points @ frame.T
     arm = arm / np.abs(arm).max()
-    roll = np.cross(posture.disc_axes[list(facet.touching)], facet.normal) @ frame.T
+    roll = np.cross(posture.placed.axes[0, list(facet.touching)], facet.normal) @ frame.T
     size = np.linalg.norm(roll, axis=1, keepdims=True)
     roll = roll / np.where(size > 0.0, size, 1.0)
     free = [DISC if one.kind == "disc" else SPHERE for one in contacts]
@@ -205,11 +205,12 @@ def _verdicts(
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return where it stands and is held (g,), and where it stands on a contact that rolls (g,)."""
     directions = checked_directions(gravity_dir)
-    recipe, stance = posture.recipe, posture.stance_of_weight()
+    posture.refuse_forces()
+    recipe = posture.recipe
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
     stays, rolling = np.zeros((2, len(directions)), np.bool_)
     for d in np.flatnonzero(angle >= 0.0):
-        facet = stance.under(directions[d])
+        facet = posture.under(directions[d])
         if facet is None:
             continue
         rolling[d] = any(recipe.contacts[i].rolling for i in facet.touching)
@@ -260,14 +261,14 @@ def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
     on one axle.
     """
     down = checked_directions(gravity_dir)
-    recipe, stance = posture.recipe, posture.stance_of_weight()
-    facet, direction = stance.under(down[0]), down[0]
+    posture.refuse_forces()
+    recipe, facet, direction = posture.recipe, posture.under(down[0]), down[0]
     if facet is None or not all(recipe.contacts[i].rolling for i in facet.touching):
         return None
     discs = [i for i in facet.touching if recipe.contacts[i].kind == "disc"]
     remainder = float(facet.normal @ direction) * facet.normal
     if discs:
-        roll = np.cross(posture.disc_axes[discs], facet.normal)
+        roll = np.cross(posture.placed.axes[0, discs], facet.normal)
         roll /= np.linalg.norm(roll, axis=1, keepdims=True)
         aside = np.cross(facet.normal, roll[0])
         if np.abs(roll @ aside).max() > NOTHING:

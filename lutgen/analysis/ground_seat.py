@@ -14,7 +14,7 @@ import numpy as np
 
 from lutgen.analysis.posture import Posture
 from lutgen.channels import MU, PHI, RHO
-from lutgen.support import ACCEPTED, edge_after, ends_of, is_inner, rests_at
+from lutgen.support import edge_after, ends_of, is_inner, rests_at
 from lutgen.vector import Floats
 
 # A length of a vector below this (of unit ones) has no direction.
@@ -114,8 +114,7 @@ def seat_on(posture: Posture, k: int, frame: Floats) -> Seat:
     Under forces each edge counts with its moment, and under an uncertain com its plane leans
     inwards by as much as the com may be off; under either no edge has a part that is held.
     """
-    region = posture.stance.region
-    seats = region.seat[: region.counts[ACCEPTED]]
+    region, seats = posture.region, posture.seats
     group = seats[k]["group"]
     turned = least_rotation(frame[:, 2], -seats[k]["normal"]) @ frame
     edges = []
@@ -134,7 +133,7 @@ def _edge(
     posture: Posture, e: int, beyond: int, ends: tuple[Floats, Floats], frame: Floats
 ) -> Edge:
     """Return edge e of the region between two contact points, `beyond` it a rest or -1."""
-    region, wrench, rho = posture.stance.region, posture.wrench, posture.recipe.com_uncertainty
+    region, wrench, rho = posture.region, posture.wrench, posture.recipe.com_uncertainty
     start, stop = ends
     plane, along = np.cross(start, stop), stop - start
     area, length = float(np.linalg.norm(plane)), float(np.linalg.norm(along))

@@ -19,7 +19,6 @@ from lutgen.analysis.ground_seat import Edge, Seat, least_tilt, seat_on
 from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
-from lutgen.support import ACCEPTED
 from lutgen.vector import Floats
 
 # A slope counts as on a rest, and not beyond its edge, within this (rad).
@@ -143,8 +142,7 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     that it stands on at level.
     """
     frame = level_frames(posture.recipe, posture.row, "plane")[0]
-    region = posture.stance.region
-    seats = region.seat[: region.counts[ACCEPTED]]
+    seats = posture.seats
     rests = np.flatnonzero(seats["is_rest"] == 1)
     if not len(rests) or _facet_under(posture, -frame[:, 2]) < 0:
         return GroundTilt(posture, (), 0.0)
@@ -218,7 +216,7 @@ def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
     then the least tilt to a part that is not held, of all rests to which such rolls lead, is what
     is left, but never less than the slope of the first roll.
     """
-    seats = posture.stance.region.seat[: posture.stance.region.counts[ACCEPTED]]
+    seats = posture.seats
     rests = [int(k) for k in np.flatnonzero(seats["is_rest"] == 1)]
     one_each = {int(seats[k]["group"]): k for k in rests}
     edges = {group: seat_on(posture, k, frame).edges for group, k in one_each.items()}

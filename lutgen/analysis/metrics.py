@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.posture import Posture, Stance
+from lutgen.analysis.posture import Posture
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
 from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
@@ -56,16 +56,16 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     status, least_share = found.pop("status")[0], found.pop("least_share")[0]
     values = {name: channel[0] for name, channel in found.items()}
     standing = values["tip_angle"] >= 0.0
-    stance = posture.stance_of_weight()
-    values["force_angle"] = force_angle(stance, directions, values["tip_angle"], values["margin"])
+    posture.refuse_forces()
+    values["force_angle"] = force_angle(posture, directions, values["tip_angle"], values["margin"])
     angle = values["tip_angle"][0]
-    if not angle > 0.0 or not len(stance.start):
+    if not angle > 0.0 or not len(posture.axes):
         degrees = f"{np.degrees(angle):.3g} deg"
         what = "metrics are compared with those on level ground, where this posture does not stand"
         got = f"a tip angle of {degrees}"
         reject(recipe.source, f"{what} or cannot tip", got, "choose another posture", InputError)
     normalised = {name: values[name][1:] / values[name][0] for name in METRICS if name != "sdg"}
-    under = [stance.under(down) for down in directions[1:]]
+    under = [posture.under(down) for down in directions[1:]]
     radius = np.array([np.nan if facet is None else facet.inradius for facet in under])
     normalised["sdg"] = 1.0 - values["sdg"][1:] / radius
     return Metrics(
@@ -86,19 +86,8 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     arm from the com to the axis, across it: theta is positive where the force keeps the robot down.
     An arc cosine would leave [-1, 1] by rounding where the com is over the axis.
 
-    Parameters
-    ----------
-    start, stop : (..., 3) array_like
-        Ends of the axes relative to the com; start x stop points to the inner side.
-    force : (..., 3) array_like
-        Resultant force at the com, pointing down for gravity; a unit vector measures in weights.
-
-    Examples
-    --------
-    A com 1 above the ground and 0.2 beside an axis:
-
-    >>> float(axis_force_angle([-0.2, -0.7, -1], [-0.2, 1.3, -1], [0, 0, -9.81]).round(9))
-    0.387290088
+    `start` and `stop` (..., 3) are the axes' ends relative to the com, start x stop pointing to the
+    inner side; `force` (..., 3) is the resultant at the com, a unit vector for weights.
     """
     begin, end, pull = (np.asarray(part, dtype=np.float64) for part in (start, stop, force))
     edge = end - begin
@@ -110,7 +99,7 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     return np.asarray(angle * np.abs(moment))
 
 
-def force_angle(stance: Stance, directions: Floats, angle: Floats, margin: Floats) -> Floats:
+def force_angle(posture: Posture, directions: Floats, angle: Floats, margin: Floats) -> Floats:
     """Return the force-angle measure (g,), rad x length for a weight of 1, under unit directions.
 
     It is the smallest over the tip-over axes, with the sign of the verdict; infinite without an
@@ -119,10 +108,11 @@ def force_angle(stance: Stance, directions: Floats, angle: Floats, margin: Float
     which it equals on a level axis.
     """
     standing = angle >= 0.0
-    if not (stance.facets and len(stance.start)):
+    axes = posture.axes
+    if not (posture.facets and len(axes)):
         return np.where(standing, np.inf, -np.inf)
-    if stance.convex:
-        least = axis_force_angle(stance.start, stance.stop, directions[:, None, :]).min(axis=1)
+    if posture.convex:
+        least = axis_force_angle(axes["start"], axes["stop"], directions[:, None, :]).min(axis=1)
     else:
         least = angle * np.abs(margin)
     return np.asarray(np.where(standing, np.maximum(least, 0.0), np.minimum(least, JUST_OUTSIDE)))

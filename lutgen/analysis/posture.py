@@ -7,17 +7,16 @@ once take a recipe and (m, k) rows of geometry parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lutgen import support
 from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, region_of, wrenches
 from lutgen.errors import InputError, reject
 from lutgen.recipe import Postures, Recipe, body_parts, forward, radii_and_kinds, robot_size_of
-from lutgen.vector import Floats, Vector
+from lutgen.vector import Floats, read3
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
 # spheres that stand for it.
@@ -82,38 +81,10 @@ class Facet:
         return np.array([x, np.cross(self.normal, x)])
 
 
-@dataclass(frozen=True, eq=False)
-class Stance:
-    """Facets in canonical order, and the boundary of the standing region.
-
-    `start` and `stop` (b, 3) are the tip-over axes' ends relative to the com, start x stop
-    pointing inward; `convex` is True if the standing region is.  `region` is the kernels' own.
-    """
-
-    facets: tuple[Facet, ...]
-    start: Floats
-    stop: Floats
-    convex: bool
-    region: support.Region
-
-    def under(self, direction: Floats) -> Facet | None:
-        """Return the facet that gravity along a direction (3,) pierces, or None."""
-        x, y, z = direction.tolist()
-        k = support.seat_under(self.region, (x, y, z))
-        return self.facets[k] if k >= 0 else None
-
-
 class Posture:
     """One geometry of a robot: its parameters (k,), rad or the recipe's length unit.
 
     `row` (1, k) are these parameters as functions of many postures take them.
-
-    Examples
-    --------
-    >>> from lutgen.recipe.recipe import load_recipe
-    >>> posture = Posture(load_recipe("maps/paper_one.toml"), [0.75])
-    >>> [facet.contacts for facet in posture.stance.facets]
-    [(0, 2, 1)]
     """
 
     def __init__(self, recipe: Recipe, params: ArrayLike) -> None:
@@ -130,11 +101,6 @@ class Posture:
         """Where everything is, of one posture: centres (1, n, 3), axes (1, n, 3), com (1, 3)."""
         return forward(self.recipe, self.row)
 
-    @property
-    def disc_axes(self) -> Floats:
-        """The discs' unit axes (n, 3), zero for other contacts."""
-        return np.asarray(self.placed.axes[0])
-
     @cached_property
     def primitives(self) -> Floats:
         """The contacts as the kernels take them (n, 8), relative to the com."""
@@ -147,20 +113,39 @@ class Posture:
         return np.asarray(wrenches(self.recipe, self.placed)[0])
 
     @cached_property
-    def stance(self) -> Stance:
-        """Facets and tip-over axes."""
+    def region(self) -> support.Region:
+        """What stands and what tips, as the kernels have it."""
         primitives = primitives_of(self.recipe, self.placed)[0]
-        region = region_of(primitives, acceptance_of(self.recipe))
-        count = region.counts
-        facets = tuple(_facet(region, k) for k in range(count[support.ACCEPTED]))
-        arcs = region.arc[: count[support.ARCS]]
-        start, stop = arcs["start"].copy(), arcs["stop"].copy()
-        return Stance(facets, start, stop, bool(count[support.CONVEX]), region)
+        return region_of(primitives, acceptance_of(self.recipe))
 
-    def stance_of_weight(self) -> Stance:
-        """Return the stance; refuse forces, under which a ray of gravity finds no facet."""
+    @property
+    def seats(self) -> NDArray[np.void]:
+        """The kernels' rows of the accepted facets, in canonical order."""
+        return np.asarray(self.region.seat[: self.region.counts[support.ACCEPTED]])
+
+    @cached_property
+    def facets(self) -> tuple[Facet, ...]:
+        """The accepted facets, in canonical order."""
+        return tuple(_facet(self.region, k) for k in range(len(self.seats)))
+
+    @property
+    def axes(self) -> NDArray[np.void]:
+        """The tip-over axes: `start` and `stop` (3,), relative to the com, start x stop inward."""
+        return np.asarray(self.region.arc[: self.region.counts[support.ARCS]])
+
+    @property
+    def convex(self) -> bool:
+        """True if the standing region is."""
+        return bool(self.region.counts[support.CONVEX])
+
+    def under(self, direction: Floats) -> Facet | None:
+        """Return the facet that gravity along a direction (3,) pierces, or None."""
+        k = support.seat_under(self.region, read3(direction))
+        return self.facets[k] if k >= 0 else None
+
+    def refuse_forces(self) -> None:
+        """Refuse forces, under which a ray of gravity finds no facet."""
         refuse_forces(self.recipe, "an answer on metrics or rolling")
-        return self.stance
 
 
 def _facet(region: support.Region, k: int) -> Facet:
@@ -190,7 +175,7 @@ def _facet(region: support.Region, k: int) -> Facet:
 
 def _axle(row: np.void, touching: Sequence[int]) -> Axle:
     """Return an axle of the region; `touching` are the primitives on its facet."""
-    pivot, way, com = (cast(Vector, tuple(row[name].tolist())) for name in ("pivot", "way", "com"))
+    pivot, way, com = (read3(row[name].copy()) for name in ("pivot", "way", "com"))
     ends = touching.index(int(row["first"])), touching.index(int(row["second"]))
     return Axle((pivot, way), com, float(row["mass"]), ends)
 

@@ -32,8 +32,8 @@ PROPOSED, STANDING = math.radians(10.0), 0.05
 DIGITS = 9
 # The com is within so many standard deviations in 19 of 20 cases and more.
 DEVIATIONS = 2.0
-_HEAD = re.compile(r"^\s*\[\s*robot\s*\]\s*(#.*)?$")
-_TABLE = re.compile(r"^\s*\[")
+# The head of the table, and what is in it.
+_ROBOT = re.compile(r"^([ \t]*\[\s*robot\s*\][ \t]*(?:#.*)?\n)((?:(?![ \t]*\[).*\n)*)", re.M)
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,8 @@ def _seated(
     """Return the facet on which the robot stands, and gravity in the body frame (3,)."""
     posture = Posture(recipe, params)
     frame = level_frames(recipe, posture.row, "plane")[0]
-    facet = posture.stance_of_weight().under(-frame[:, 2])
+    posture.refuse_forces()
+    facet = posture.under(-frame[:, 2])
     if facet is None:
         values = ", ".join(f"{value:g}" for value in params) or "none"
         what, got = "the robot rests on nothing in a posture", f"parameters {values}, rad or length"
@@ -284,17 +285,10 @@ def corrected(recipe: Recipe, found: Weighed) -> str:
     A text where the keys cannot be replaced is refused with the lines to write by hand.
     """
     keys = correction(recipe, found)
-    lines, result, inside, written = recipe.text.splitlines(), [], False, False
-    for line in lines:
-        if _HEAD.match(line) and not written:
-            inside = written = True
-            result += [line, *correction_lines(keys)]
-            continue
-        inside = inside and not _TABLE.match(line)
-        if inside and re.match(rf"\s*({'|'.join(keys)})\s*=", line):
-            continue
-        result.append(line)
-    text = "\n".join([*result, ""])
+    before = re.compile(rf"^[ \t]*({'|'.join(keys)})\s*=.*\n", re.M)
+    lines = "\n".join([*correction_lines(keys), ""])
+    text = "\n".join([*recipe.text.splitlines(), ""])
+    text = _ROBOT.sub(lambda part: part[1] + lines + before.sub("", part[2]), text, count=1)
     try:
         made = parse_recipe(text, recipe.source, inert=True, urdf=recipe.urdf)
         good = list(made.com_offset) == keys["com_offset"]

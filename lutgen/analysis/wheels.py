@@ -28,24 +28,6 @@ FASTEST = 1e100
 
 
 @dataclass(frozen=True)
-class Structure:
-    """How the wheels that touch let the robot move in the contact plane.
-
-    Contacts without a wheel constrain nothing, like wheels that hover and Swedish wheels.
-    `dof` is 3 - rank of the constraints of the fixed wheels: every motion that some setting of
-    the steered wheels allows.  `steered` is True if a steered wheel touches.
-    """
-
-    dof: int
-    steered: bool
-
-    @property
-    def category(self) -> str:
-        """The paper's category, for example "2 DoF, steered"."""
-        return f"{self.dof} DoF, {'steered' if self.steered else 'non-steered'}"
-
-
-@dataclass(frozen=True)
 class WheelMotion:
     """Motion of one wheel: `speed` in rad/s, `steering` in rad, `slip` in length/s.
 
@@ -71,7 +53,10 @@ class Motion:
     of the wheels' slips: no choice of speeds and steering angles makes it smaller, and the motion
     is `possible` where it vanishes.  `nearest_velocity` (2,) and `nearest_yaw_rate` are the motion
     without slip that differs least from the requested one: least sum of squares, yaw rates times
-    the distance from the com to the farthest corner of the support polygon.
+    the distance from the com to the farthest corner of the support polygon.  `dof` is 3 - rank of
+    the constraints of the fixed wheels that touch: every motion that some setting of the steered
+    wheels allows, of which one is there if the robot is `steered`.  Swedish wheels and contacts
+    without a wheel constrain nothing.
     """
 
     velocity: tuple[float, float]
@@ -81,8 +66,14 @@ class Motion:
     possible: bool
     nearest_velocity: tuple[float, float]
     nearest_yaw_rate: float
-    structure: Structure
+    dof: int
+    steered: bool
     standing: bool
+
+    @property
+    def category(self) -> str:
+        """The paper's category, for example "2 DoF, steered"."""
+        return f"{self.dof} DoF, {'steered' if self.steered else 'non-steered'}"
 
 
 @dataclass(frozen=True)
@@ -154,22 +145,11 @@ def wheel_speeds(
     direction and e the axis of the roller on the ground, t turned by gamma (Siegwart and
     Nourbakhsh, Introduction to Autonomous Mobile Robots, section 3.2.3).
 
-    Parameters
-    ----------
-    posture : Posture
-    velocity : (2,) array_like
-        How fast the centre of mass moves, length per second: along the part of the body's x axis in
-        the contact plane, and to the left of it.
-    yaw_rate : float
-        How fast the robot turns about the plane's upward normal, rad/s.
-    gravity_dir : (3,) array_like
-        Down, body frame, any length > 0; it only chooses the support facet.
-
-    Returns
-    -------
-    Motion
-        Also of an impossible motion, with its slip.  A steered wheel that is slower than a
-        millionth of the motion keeps the angle 0 and the speed 0.
+    `velocity` (2,) is that of the centre of mass, length per second: along the part of the body's x
+    axis in the contact plane, and to the left of it.  `yaw_rate` is about the plane's upward
+    normal, rad/s.  `gravity_dir` (3,) is down, body frame, any length > 0; it only chooses the
+    support facet.  An impossible motion comes with its slip.  A steered wheel that is slower than a
+    millionth of the motion keeps the angle 0 and the speed 0.
     """
     requested = np.array([*np.ravel(velocity), yaw_rate], np.float64)
     if requested.shape != (3,) or not (np.abs(requested) <= FASTEST).all():
@@ -203,7 +183,8 @@ def wheel_speeds(
         possible,
         nearest_velocity=(float(nearest[0]), float(nearest[1])),
         nearest_yaw_rate=turn,
-        structure=Structure(basis.shape[1], any(one.wheel.steered for one in touching)),
+        dof=basis.shape[1],
+        steered=any(one.wheel.steered for one in touching),
         standing=standing,
     )
 

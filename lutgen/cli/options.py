@@ -211,11 +211,11 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: one column, 89 wide]"
+        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: 203 wide]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
     style: str = option(
-        type=click.Choice(("journal", "slides", "dark")),
+        type=click.Choice(("journal", "dark")),
         default="journal",
         help="How the figure looks.",
     )

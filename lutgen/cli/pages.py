@@ -136,6 +136,6 @@ def paper(options: PaperOptions) -> None:
     """
     from lutgen.paper import write_report
 
-    page = str(write_report(options.output, lambda what: given.log.info("%s", what), options.force))
+    page = str(write_report(options.output, options.force))
     report = {"folder": options.output, "page": page}
     show(report, lambda report: [report["page"]])

@@ -132,7 +132,7 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
     report = {
         **output.entries(robot, "robot=name length_unit"),
         "standing": motion.standing,
-        "structure": output.entries(motion.structure, STRUCTURE),
+        "structure": output.entries(motion, STRUCTURE),
         **output.entries(motion, "velocity yaw_rate_deg_s possible slip"),
         "nearest": {
             "velocity": motion.nearest_velocity,

@@ -1,55 +1,42 @@
 """`lutgen paper`: everything in one folder, and one page that shows it."""
 
 import base64
+import logging
 import math
 import os
 import tempfile
 import time
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from lutgen import plot
 from lutgen._version import __version__
 from lutgen.errors import InputError
 from lutgen.files import check_target, csv_text, write_text
-from lutgen.paper.figures import draw_figures
-from lutgen.paper.model import NOMINAL, RADIUS, TABLE
+from lutgen.mapping import load_map
+from lutgen.paper.model import DOWN, NOMINAL, RADIUS, TABLE, paper_recipe
 from lutgen.paper.simulations import MAP, Results, compute, second_optimum
 from lutgen.paper.tables import Table, tables
 
+log = logging.getLogger("lutgen")
 PAGE = "paper.html"
+UNEVEN = {"alpha": 20.0, "gamma": 40.0}
+SLOPE = (-0.3, 0.15, -1.0)
+# CSS pixels of an inch of a figure.
+PIXELS = 80.0
 # Every how many points of the curve stand on the page.
 CURVE_EVERY = 50
 
 
-def write_report(
-    directory: str | os.PathLike[str],
-    progress: Callable[[str], None] = lambda _: None,
-    force: bool = False,
-) -> Path:
-    """Compute everything and write page, figures, tables and map into a folder.
+def write_report(directory: str | os.PathLike[str], force: bool = False) -> Path:
+    """Compute everything, write page, figures, tables and map into a folder; return the page.
 
-    Parameters
-    ----------
-    directory : path
-        Made if it is not there.
-    progress : callable
-        Called with a text before each step.
-    force : bool
-        True if files that lutgen did not make may be replaced.
-
-    Returns
-    -------
-    pathlib.Path
-        The page.
-
-    Raises
-    ------
-    InputError
-        Where the folder cannot be written, or a file of the report would replace another's.
+    The folder is made if it is not there.  Refused if it cannot be written, or, without `force`, if
+    a file of the report would replace one that lutgen did not make.
     """
     begin = time.perf_counter()
     target = Path(directory)
@@ -60,8 +47,8 @@ def write_report(
         # Everything appears at once, or not at all.
         with tempfile.TemporaryDirectory(prefix=".paper.", dir=target) as place:
             work = Path(place)
-            results = compute(work, progress)
-            progress("figures")
+            results = compute(work)
+            log.info("figures")
             widths = draw_figures(work, results)
             found = tables(results)
             for name, table in found.items():
@@ -88,6 +75,39 @@ def _csv(table: Table) -> str:
         for row in table.rows
     )
     return csv_text([column.key for column in table.columns], rows)
+
+
+def draw_figures(folder: Path, results: Results) -> dict[str, int]:
+    """Draw all figures as PNG into a folder; return the width (CSS pixels) of each by its stem."""
+    stability_map = load_map(folder / MAP)
+    one, two, third = paper_recipe("paper_one"), paper_recipe(), results.third
+    search = results.second["plane", "search"]
+    runs = {"without control": third["fixed"], "with control": third["lagged"]}
+    robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve", channel="sdg")
+    contour = partial(plot.draw, "contour", channel="sdg")
+    steps = partial(plot.draw_steps, two, search, DOWN)
+    painters = {
+        "fig05_support": partial(robot, two, params=UNEVEN, gravity=SLOPE),
+        # As printed: at the exact angle |SD_g| would be rounding noise.
+        "fig07_robot": partial(robot, one, params={"alpha": 30.964}),
+        "fig08_curve": partial(curve, one, convention="plane"),
+        "fig09_robot": partial(robot, two, params=UNEVEN, convention="plane"),
+        "fig10_surface": partial(plot.draw, "surface", stability_map, channel="sdg"),
+        "fig11_map": partial(contour, stability_map),
+        "fig11_plane": partial(contour, two, convention="plane"),
+        "fig12_steps": partial(steps, (0, 1, 2)),
+        "fig13_step": partial(steps, (0,)),
+        "fig14_step": partial(steps, (1,)),
+        "fig15_step": partial(steps, (2,)),
+        "fig15_last": partial(steps, (5,)),
+        "fig16_17_path": partial(plot.draw_path, two, runs),
+    }
+    widths = {}
+    for stem, paint in painters.items():
+        figure = paint()
+        plot.save(figure, folder / f"{stem}.png")
+        widths[stem] = round(PIXELS * figure.get_figwidth())
+    return widths
 
 
 def build_page(

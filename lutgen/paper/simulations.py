@@ -3,9 +3,9 @@
 Both gravity conventions are computed everywhere, because the paper does not say which one it means.
 """
 
+import logging
 import math
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from lutgen.search import Drive, Optimum, drive, optimum, paper_path, turned
 from lutgen.search import Path as TerrainPath
 from lutgen.vector import Floats
 
+log = logging.getLogger("lutgen")
 # |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
 # paper's robot tips.
 LIMIT = 1.0
@@ -118,18 +119,18 @@ def third_simulation(path: TerrainPath | None = None, turn: float = TURN, **opti
     return drive(paper_recipe(), ground, params0=np.full(2, NOMINAL), **options)
 
 
-def compute(folder: Path, progress: Callable[[str], None] = lambda _: None) -> Results:
+def compute(folder: Path) -> Results:
     """Run all simulations; the map goes into `folder`."""
-    progress("simulation 1")
+    log.info("simulation 1")
     one, two = paper_recipe("paper_one"), paper_recipe()
     first = {name: optimum(one, DOWN, "multistart", convention=name) for name in CONVENTIONS}
-    progress("simulation 2")
+    log.info("simulation 2")
     second = {
         (name, method): optimum(two, DOWN, method, convention=name, limit=LIMIT)
         for name in CONVENTIONS
         for method in METHODS
     }
     table, swept = table_one(), timed_map(folder / MAP)
-    progress("simulation 3")
+    log.info("simulation 3")
     third = {name: third_simulation(**options) for name, options in RUNS.items()}
     return Results(first, second, table, swept, third)

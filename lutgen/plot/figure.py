@@ -5,7 +5,7 @@ Every wrong option is refused in one sentence that names the way out.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, NoReturn, TypedDict, Unpack
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -56,20 +56,19 @@ SLACK = 1e-9
 CHOOSE = "choose from"
 
 
-class Choices(TypedDict, total=False):
-    """Options of a figure, see `draw`."""
-
-    params: Mapping[str, float] | None
-    gravity: ArrayLike
-    channel: str
-    axes: Sequence[str] | None
-    convention: str
-    scale: tuple[float, float] | None
-    ax: Axes | None
-
-
 @in_house_style
-def draw(kind: str, source: StabilityMap | Recipe, **choices: Unpack[Choices]) -> Figure:
+def draw(
+    kind: str,
+    source: StabilityMap | Recipe,
+    *,
+    params: Mapping[str, float] | None = None,
+    gravity: ArrayLike = DOWN,
+    channel: str = "tip_angle",
+    axes: Sequence[str] | None = None,
+    convention: str = "body",
+    scale: tuple[float, float] | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw a figure whose title is its answer.
 
     Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
@@ -101,19 +100,7 @@ def draw(kind: str, source: StabilityMap | Recipe, **choices: Unpack[Choices]) -
     """
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, suggestion(kind, KINDS, CHOOSE))
-    for name in choices:
-        if name not in Choices.__annotations__:
-            _refuse(
-                "unknown keyword of a figure",
-                name,
-                suggestion(name, Choices.__annotations__, CHOOSE),
-            )
-    return KINDS[kind].paint(_choose(kind, source, choices))
-
-
-def _choose(kind: str, source: StabilityMap | Recipe, choices: Choices) -> View:
-    """Check the options of `draw` and fill in what was left out."""
-    one, channel = KINDS[kind], choices.get("channel", "tip_angle")
+    one = KINDS[kind]
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in RANKED:
@@ -125,26 +112,24 @@ def _choose(kind: str, source: StabilityMap | Recipe, choices: Choices) -> View:
             channel,
             f"{suggestion(channel, stored, CHOOSE)} or a recipe",
         )
-    scale = choices.get("scale")
     if scale is not None and not (all(map(math.isfinite, scale)) and scale[0] < scale[1]):
         what = "a scale goes from a number to a larger one"
         _refuse(what, ", ".join(f"{x:g}" for x in scale), "give two such as 0, 60")
     if one.of_robot and is_sealed(recipe):
         way_out = "draw it from the recipe, with its code allowed"
         _refuse(f"a {kind} figure needs the robot itself", f"a map of `{recipe.python}`", way_out)
-    down = unit_directions(np.asarray(choices.get("gravity", DOWN), dtype=np.float64))
+    down = unit_directions(np.asarray(gravity, dtype=np.float64))
     if down.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(choices["gravity"]), "give x, y, z")
-    convention = choices.get("convention", "body")
+        _refuse("gravity must be one direction", np.shape(gravity), "give x, y, z")
     if convention not in CONVENTIONS:
         _refuse("unknown convention", convention, suggestion(convention, CONVENTIONS, CHOOSE))
     if convention == "plane" and stability_map is not None:
         _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
     if convention == "plane" and one.turns:
         _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    params = choices.get("params") or {}
-    given = {name: _value(recipe, stability_map, name, v) for name, v in params.items()}
-    columns = _columns(kind, recipe, given, choices.get("axes"))
+    fixed = params or {}
+    given = {name: _value(recipe, stability_map, name, v) for name, v in fixed.items()}
+    columns = _columns(kind, recipe, given, axes)
     posture = []
     for i, p in enumerate(recipe.parameters):
         low, high = limits(recipe, stability_map, i)
@@ -156,7 +141,7 @@ def _choose(kind: str, source: StabilityMap | Recipe, choices: Choices) -> View:
         way_out = "choose a direction that the map covers, or draw from the recipe"
         _refuse("gravity is outside the map's chart", ", ".join(f"{x:g}" for x in down), way_out)
     where = (recipe, stability_map, np.array(posture), down, channel, columns)
-    return View(*where, convention, scale, choices.get("ax"))
+    return one.paint(View(*where, convention, scale, ax))
 
 
 def _columns(

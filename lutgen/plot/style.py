@@ -1,4 +1,4 @@
-"""Style: colours, letters and pages of all figures, and how a figure becomes a file.
+"""Style: sizes, colours, letters and pages of all figures, and how a figure becomes a file.
 
 Lengths on a page are inches of a sheet 8 in wide.  A program's own matplotlib settings are neither
 read nor changed.
@@ -12,6 +12,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -31,7 +32,6 @@ from PIL.PngImagePlugin import PngInfo
 from lutgen.errors import InputError, reject
 from lutgen.files import write_bytes
 from lutgen.plot.labels import fit
-from lutgen.plot.sheet import resize, sheet
 
 log = logging.getLogger("lutgen")
 
@@ -48,14 +48,59 @@ P = ParamSpec("P")
 
 HERE = Path(__file__).parent
 WIDTH, RESOLUTION = 8.0, 200
-# Dots of a slide over those of a page; larger PNG files (bytes) get a palette.
-SLIDE, LARGEST = 1.2, 250_000
+# Larger PNG files (bytes) get a palette.
+LARGEST = 250_000
 # The mark of our files (lutgen/files.py); dates and versions would make two runs differ.
 METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": "lutgen"},
     ".svg": {"Date": None, "Creator": "lutgen"},
     ".pdf": {"CreationDate": None, "Creator": "lutgen", "Producer": "lutgen"},
 }
+STYLES = ("journal", "dark")
+INCH = 25.4
+# mm: letters of a narrower figure cannot be read, and a wider one is a poster.
+NARROWEST, WIDEST = 80.0, 1000.0
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Width and height in mm, None for the figure's own, and one of `STYLES`."""
+
+    width: float | None = None
+    height: float | None = None
+    style: str = "journal"
+
+
+OWN = Sheet()
+_sheet: ContextVar[Sheet] = ContextVar("sheet", default=OWN)
+# The sheet that figures are drawn on now.
+sheet = _sheet.get
+
+
+@contextmanager
+def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
+    """Draw figures of a size (``"85"`` or ``"85x60"``, mm) and in a style, within a with block.
+
+    A figure keeps its shape: with a height it is as large as fits.
+    """
+    if style not in STYLES:
+        reject("style", "unknown style", repr(style), f"use {', '.join(STYLES)}", InputError)
+    width = height = None
+    if size is not None:
+        found = re.fullmatch(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?", size.strip())
+        if found is None:
+            what = "must be WIDTH or WIDTHxHEIGHT in mm"
+            reject("size", what, repr(size), "try 85", InputError)
+        width, height = (None if part is None else float(part) for part in found.groups())
+        for part in (width, height):
+            if part is not None and not NARROWEST <= part <= WIDEST:
+                what = f"a figure is {NARROWEST:g} to {WIDEST:g} mm wide and high"
+                reject("size", what, f"{part:g}", "85 mm is a column of a journal", InputError)
+    token = _sheet.set(Sheet(width, height, style))
+    try:
+        yield
+    finally:
+        _sheet.reset(token)
 
 
 @cache
@@ -150,6 +195,43 @@ def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
     return painted
 
 
+def resize(figure: Figure) -> None:
+    """Scale a finished figure to the sheet, with its letters and lines."""
+    page = sheet()
+    if page.width is None:
+        return
+    width, height = figure.get_size_inches() * INCH
+    scale = min(page.width / width, (page.height or np.inf) / height)
+    figure.set_size_inches(figure.get_size_inches() * scale)
+    ticks = set()
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        # The short side of a colour bar has no ticks.
+        first: list[Any] = axis.get_major_ticks()[:1]
+        for tick in first:
+            look: dict[str, Any] = {"labelsize": tick.label1.get_fontsize()}
+            look |= {"length": tick.tick1line.get_markersize(), "pad": tick.get_pad()}
+            look |= {"width": tick.tick1line.get_markeredgewidth()}
+            axis.set_tick_params(**{name: scale * value for name, value in look.items()})
+        axis.labelpad *= scale
+        ticks |= {id(part) for tick in axis.get_major_ticks() for part in tick.findobj()}
+    sizes = ("fontsize", "markersize", "markeredgewidth", "linewidth", "mutation_scale")
+    every: list[Any] = figure.findobj()
+    every += [a.arrow_patch for a in every if getattr(a, "arrow_patch", None) is not None]
+    for artist in every:
+        if id(artist) in ticks:
+            continue
+        for name in sizes:
+            if hasattr(artist, f"set_{name}") and hasattr(artist, f"get_{name}"):
+                value = np.asarray(getattr(artist, f"get_{name}")()) * scale
+                getattr(artist, f"set_{name}")(value if value.ndim else float(value))
+        if getattr(artist, "anncoords", None) == "offset points":
+            artist.xyann = tuple(scale * np.array(artist.xyann))
+        for effect in artist.get_path_effects() or ():
+            stroke: Any = effect
+            wide = scale * stroke._gc["linewidth"]
+            artist.set_path_effects([withStroke(**(stroke._gc | {"linewidth": wide}))])
+
+
 def new_figure(size: tuple[float, float]) -> Figure:
     """Return an empty figure, `size` in inches."""
     figure = Figure(figsize=size, dpi=RESOLUTION)
@@ -222,7 +304,6 @@ def save(
     InputError is raised for a file that lutgen did not make, unless `force` is set.
     """
     suffix, picture = known_suffix(path, "picture", METADATA), io.BytesIO()
-    dpi = round(SLIDE * dpi) if sheet().style == "slides" else dpi
     with house_style(), said_once():
         figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
     if suffix == ".png" and picture.tell() > LARGEST:

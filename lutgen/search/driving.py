@@ -138,34 +138,22 @@ def _best(
     each = np.repeat(unlike, len(turns), axis=0)
     ground = Path(np.zeros((len(each), 3)), np.zeros(len(each)), each)
     down = turned(ground, np.tile(turns, len(unlike))).gravity
-    params, costs, evaluations = _geometries(recipe, down, kept, **options)
-    costs = costs.reshape(len(unlike), len(turns))
+    if kept is not None:
+        params, evaluations = np.tile(kept, (len(down), 1)), len(down)
+    elif options["method"] == "search":
+        others = ("method", "limit", "start", "seed")
+        meshed = {key: options[key] for key in options if key not in others}
+        params, evaluations = searched_each(recipe, down, **meshed)
+    else:
+        found = [optimum(recipe, one, **options) for one in down]
+        params = np.array([one.params for one in found])
+        evaluations = sum(one.evaluations for one in found)
+    goal = Objective(recipe, down[0], options["objective"], options["convention"])
+    costs = goal.cost(params, down).reshape(len(unlike), len(turns))
     least = costs.min(axis=1, keepdims=True)
     chosen = (costs <= least + EQUAL + ROUNDING * np.abs(least)).argmax(axis=1)
     rows = np.arange(len(unlike)) * len(turns) + chosen
     return params[rows][which.ravel()], turns[chosen][which.ravel()], evaluations
-
-
-def _geometries(
-    recipe: Recipe,
-    gravity: Floats,
-    kept: Floats | None,
-    method: str,
-    objective: str,
-    **options: Any,
-) -> tuple[Floats, Floats, int]:
-    """Return the geometries (m, k) for headings (m, 3), their costs (m,), and evaluations."""
-    if kept is None and method == "search":
-        meshed = {key: options[key] for key in options if key not in ("limit", "start", "seed")}
-        return searched_each(recipe, gravity, objective, **meshed)
-    goal = Objective(recipe, gravity[0], objective, options["convention"])
-    if kept is not None:
-        params, evaluations = np.tile(kept, (len(gravity), 1)), len(gravity)
-    else:
-        found = [optimum(recipe, one, method, objective, **options) for one in gravity]
-        params = np.array([one.params for one in found])
-        evaluations = sum(one.evaluations for one in found)
-    return params, goal.cost(params, gravity), evaluations
 
 
 def _turns(headings: int) -> Floats:

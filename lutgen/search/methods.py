@@ -97,16 +97,12 @@ def refine(
 
 
 def nelder_mead(
-    cost: Cost,
-    bounds: Floats,
-    start: Floats,
-    tolerance: float = TOLERANCE,
-    simplex: float = FIRST_SIMPLEX,
+    cost: Cost, bounds: Floats, start: Floats, simplex: float = FIRST_SIMPLEX
 ) -> list[Step]:
     """Walk a simplex downhill from a point, within the bounds (Nelder and Mead 1965).
 
     `start` (k,) is the first corner of the simplex; the others lie along the axes, towards the
-    middle.  Its size, as a share of the bounds (k, 2), is `simplex` at first and `tolerance` at
+    middle.  Its size, as a share of the bounds (k, 2), is `simplex` at first and `TOLERANCE` at
     last: it ends where the simplex is small, for any cost there, since |SD_g| may jump.
     One step per iteration; the last is the result.
     """
@@ -129,12 +125,8 @@ def nelder_mead(
 
     first = (start - low) / width
     corners = np.vstack([first, first + np.diag(np.where(first > 0.5, -simplex, simplex))])
-    options = {
-        "initial_simplex": corners,
-        "xatol": tolerance,
-        "fatol": np.inf,
-        "maxfev": EVALUATIONS * k,
-    }
+    options = {"initial_simplex": corners, "xatol": TOLERANCE, "fatol": np.inf}
+    options["maxfev"] = EVALUATIONS * k
     how = {"method": "Nelder-Mead", "bounds": [(0.0, 1.0)] * k, "options": options}
     found = minimize(one, first, callback=note, **how)
     steps.append(Step(low + np.asarray(found.x) * width, float(found.fun), seen, none))
@@ -178,7 +170,7 @@ def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list
     for _ in range(ROUNDS):
         before = best
         for simplex in FRESH_SIMPLICES:
-            last = nelder_mead(cost, bounds, best.params, TOLERANCE, simplex)[-1]
+            last = nelder_mead(cost, bounds, best.params, simplex)[-1]
             seen += last.evaluations
             if last.value < best.value:
                 best = replace(last, evaluations=seen)
@@ -194,13 +186,6 @@ def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> 
 
     (k, 2), NaN throughout where the geometry `best` (k,) itself exceeds the limit.  While one
     parameter varies the others keep its values; intervals end at the `bounds` (k, 2) at the latest.
-
-    Examples
-    --------
-    >>> bowl = lambda x: (x**2).sum(axis=1)
-    >>> acceptable_range(bowl, np.zeros(2), np.array([[-3.0, 3.0], [-1.0, 3.0]]), 4.0).round(9)
-    array([[-2.,  2.],
-           [-1.,  2.]])
     """
     result = np.full((len(best), 2), np.nan)
     if not cost(best[None, :])[0] <= limit:

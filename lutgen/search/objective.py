@@ -29,11 +29,6 @@ def parse_objective(text: str) -> dict[str, float]:
 
     It is a channel, or a sum such as ``sdg + 0.1*height``; weights are above 0, and every channel
     pulls to its own good end: see `lutgen.quantities`.
-
-    Examples
-    --------
-    >>> parse_objective("sdg + 0.1*height")
-    {'sdg': 1.0, 'height': 0.1}
     """
     weights: dict[str, float] = {}
     for term in text.split("+"):

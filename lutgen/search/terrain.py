@@ -122,12 +122,6 @@ def turned(path: Path, turn: ArrayLike) -> Path:
 
     `turn`, one or (p,), is in rad, to the left; the heading becomes the yaw of the turned robot,
     which on a slope changes by a little more or less.
-
-    Examples
-    --------
-    >>> path = along([[0, 0, 0], [1, 0, 1]])
-    >>> turned(path, np.pi).gravity[0].round(3) + 0.0
-    array([ 0.707,  0.   , -0.707])
     """
     angle = np.broadcast_to(np.asarray(turn, dtype=np.float64), path.heading.shape)
     cos, sin = np.cos(angle), np.sin(angle)

@@ -15,7 +15,7 @@ import numpy as np
 
 from lutgen import analysis
 from lutgen.analysis.budget import leans, stop_speeds
-from lutgen.analysis.ground import gravity_transform
+from lutgen.analysis.tilt import gravity_transform
 from proofs.physics import robots
 from proofs.physics.agreement import CLEAR
 from proofs.physics.body import Floats, Posture
@@ -56,14 +56,14 @@ def tips(
 
 def straight(asked: analysis.Posture, down: Floats, frame: Floats) -> float | None:
     """Return the heading straight over the least edge; None if the com is not behind its middle."""
-    stance, found = asked.stance, analysis.diagnose(asked, down).tip_over_axes
-    edge = min(range(len(found)), key=lambda b: found[b].energy_margin)
-    start, stop = stance.start[edge], stance.stop[edge]
+    axes = analysis.diagnose(asked, down).tip_over_axes
+    edge = min(axes, key=lambda axis: axis.energy_margin)
+    start, stop = edge.start, edge.stop
     wall = np.cross(start, stop)
     x, y, _ = -wall @ frame
     ahead = frame @ [x, y, 0.0]
     inside = ahead @ np.cross(wall, start) > 0.0 and ahead @ np.cross(stop, wall) > 0.0
-    return math.atan2(y, x) if stance.convex and inside else None
+    return math.atan2(y, x) if asked.convex and inside else None
 
 
 def tried(name: str, rng: np.random.Generator) -> Counter[str]:
@@ -71,7 +71,7 @@ def tried(name: str, rng: np.random.Generator) -> Counter[str]:
     posture, down, turn = ROBOTS[name](rng), robots.cap(rng, SLOPE), rng.uniform(-np.pi, np.pi)
     bump = rng.choice([0.0, rng.uniform(0.0, BUMP)])
     begin, asked = start(posture, down), analysis.Posture(posture.recipe(), [])
-    facet = asked.stance.under(down)
+    facet = asked.under(down)
     if begin is None or facet is None or posture.tip_angles(down[None])[0] < CLEAR:
         return Counter()
     frame = gravity_transform(-begin.normal)

@@ -59,7 +59,7 @@ def walked(posture, ways):
     halving, it rolls over the two contacts there; it tips where it does not stand behind them, or
     has no `tip_angle` left between.
     """
-    facets, frame = posture.stance.facets, level_frames(posture.recipe, posture.row, "plane")[0]
+    facets, frame = posture.facets, level_frames(posture.recipe, posture.row, "plane")[0]
 
     def read(frame, way):
         """Return the facet on which it stands still, -1 for none, and `tip_angle`."""

@@ -105,7 +105,7 @@ def measured(posture, gravity_dir):
     names = ("tip_angle", "margin")
     found = lutgen.evaluate(posture.recipe, posture.row, gravity_dir, names)
     angle, margin = (found[name][0] for name in names)
-    return force_angle(posture.stance, unit_directions(gravity_dir), angle, margin)
+    return force_angle(posture, unit_directions(gravity_dir), angle, margin)
 
 
 @pytest.mark.parametrize("x", COMS)
@@ -151,11 +151,10 @@ def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure():
 
 def test_on_one_polygon_they_are_our_channels_under_any_gravity():
     posture = Posture(lutgen.load_recipe("recipe:paper_two"), np.radians([31.0, 12.0]))
-    stance = posture.stance_of_weight()
     down = np.random.default_rng(3).normal(size=(50, 3)) * 0.4 + LEVEL
     down /= np.linalg.norm(down, axis=1, keepdims=True)
     ours = compare_metrics(posture, down)
-    corners = stance.facets[0].points
+    corners = posture.facets[0].points
     for name, channel in (("static_margin", "margin"), ("force_angle", "force_angle")):
         assert MARGINS[name](corners, down) == pytest.approx(ours.values[channel], rel=1e-6)
     stands = ours.standing

@@ -90,7 +90,7 @@ def by_forces(posture, direction, load=None):
     A linear programme over the forces themselves, and without a load over the normal forces, too;
     the circle of friction is a polygon of 360 sides inside it.
     """
-    facet = posture.stance.under(direction)
+    facet = posture.under(direction)
     frame = facet.frame(direction)
     places, count = facet.touching_points @ frame.T, len(facet.touching)
     turns = np.arange(360) * (2.0 * math.pi / 360)
@@ -100,7 +100,7 @@ def by_forces(posture, direction, load=None):
         if part.rolling and part.kind == "sphere":
             continue
         if part.rolling:
-            x, y = frame @ np.cross(posture.disc_axes[i], facet.normal)
+            x, y = frame @ np.cross(posture.placed.axes[0, i], facet.normal)
             fan = (
                 np.array([[-y, x], [y, -x]]) / math.hypot(x, y) if part.kind == "disc" else rays[0]
             )
@@ -140,7 +140,7 @@ def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_th
     for posture in postures:
         for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
-            facet = posture.stance.under(direction)
+            facet = posture.under(direction)
             every = held_share(posture, facet, direction)
             some = held_share(posture, facet, direction, "some")
             assert every <= some + 1e-10  # what a search misses

@@ -59,7 +59,7 @@ def test_omniwheels_and_mecanum_wheels_obey_the_matrices_of_textbooks():
             found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
             assert speeds(found) == pytest.approx((expected @ motion).tolist(), abs=ROUNDING)
             assert found.possible
-            assert found.structure.category == "3 DoF, non-steered"
+            assert found.category == "3 DoF, non-steered"
 
 
 SQUARE = [(0.5, 0.5, -0.4), (-0.5, 0.5, -0.4), (-0.5, -0.5, -0.4), (0.5, -0.5, -0.4)]
@@ -84,7 +84,7 @@ STRUCTURES = [
 def test_the_structure_is_what_the_wheels_leave():
     for wheels, expected in STRUCTURES:
         text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
-        found = wheel_speeds(Posture(robot(SQUARE, text), []), (0.0, 0.0), 0.0).structure
+        found = wheel_speeds(Posture(robot(SQUARE, text), []), (0.0, 0.0), 0.0)
         assert found.dof == expected
         assert found.steered is (STEERED in text)
     # The last one cannot move: rest is its nearest motion.
@@ -164,10 +164,10 @@ def test_a_slope_that_rocks_the_robot_lifts_another_wheel():
     assert [w.touches for w in forward.wheels] == [True, True, False, True]
     lifted = forward.wheels[2]
     assert (lifted.contact, lifted.speed, lifted.steering, lifted.slip) == ("P3", None, None, None)
-    assert forward.structure.category == "2 DoF, non-steered"
+    assert forward.category == "2 DoF, non-steered"
     back = wheel_speeds(Posture(recipe, []), (1.0, 0.0), 0.0, (-0.2, 0.0, -1.0))
     assert [w.touches for w in back.wheels] == [False, True, True, True]
-    assert back.structure.category == "1 DoF, non-steered"
+    assert back.category == "1 DoF, non-steered"
     # The rear wheel is dragged across, the others roll.
     assert back.slip == pytest.approx(1.0, rel=ROUNDING)
 

@@ -14,7 +14,6 @@ from click.testing import CliRunner
 from lutgen.cli import group, main
 from lutgen.cli.recipes import check
 from lutgen.errors import one_line, readable
-from tests.fixtures.commands import run
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
@@ -65,12 +64,6 @@ def test_too_little_memory_is_a_sentence(monkeypatch):
     result = CliRunner().invoke(main, ["check", "r.toml"])
     assert result.exit_code == group.FAILED
     assert "the memory is not enough (got Unable to allocate 80 GiB)" in result.stderr
-
-
-def test_a_setting_that_numba_would_trip_over_is_refused(monkeypatch):
-    for threads in ("0", "-1", "many", ""):
-        monkeypatch.setenv("NUMBA_NUM_THREADS", threads)
-        assert "NUMBA_NUM_THREADS: must be a whole number above 0" in run("schema").stderr
 
 
 @pytest.mark.parametrize("arguments", [["schema"], ["--help"]])

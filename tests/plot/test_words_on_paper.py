@@ -92,7 +92,7 @@ def test_words_of_figures_of_strange_robots_cover_nothing(seed):
 
 def test_words_stay_apart_at_the_narrowest_size():
     with on_sheet("85"):
-        for kind in ("curve", "polar"):
+        for kind in ("curve", "contour", "polar"):
             figure = draw(kind, strange(3))
             assert figure.get_figwidth() == pytest.approx(85.0 / 25.4)
             check(figure, kind)

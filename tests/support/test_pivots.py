@@ -147,7 +147,7 @@ def test_a_plane_on_one_wheel_of_an_axle_is_no_rest():
     # A keel so deep that no plane touches both front wheels and three more.
     keel = '[[robot.contact]]\nname = "keel"\nlink = "body"\nposition = [1.2, 0, -0.3]\n'
     rigid, swings = tractor(None, extra=keel), tractor(0.5, extra=keel)
-    facets = [Posture(recipe, []).stance.facets for recipe in (rigid, swings)]
+    facets = [Posture(recipe, []).facets for recipe in (rigid, swings)]
     ends = {"front_left", "front_right"}
     touched = [
         [ends & {recipe.contact_names[i] for i in facet.touching} for facet in some]
