@@ -66,6 +66,12 @@ def test_too_little_memory_is_a_sentence(monkeypatch):
     assert "the memory is not enough (got Unable to allocate 80 GiB)" in result.stderr
 
 
+def test_a_setting_that_numba_would_trip_over_is_refused(monkeypatch):
+    for threads in ("0", "-1", "many", ""):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", threads)
+        assert "NUMBA_NUM_THREADS: must be a whole number above 0" in run("schema").stderr
+
+
 @pytest.mark.parametrize("arguments", [["schema"], ["--help"]])
 def test_a_full_disk_or_a_reader_that_has_gone_ends_with_a_status(arguments):
     command = [sys.executable, "-m", "lutgen", *arguments]
