@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from lutgen.cli import group, main
 from lutgen.cli.recipes import check
 from lutgen.errors import one_line, readable
+from tests.fixtures.commands import run
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
