@@ -229,12 +229,6 @@ static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, con
   return status;
 }
 
-static float smap_run_turn(float acceleration, float radius)
-{
-  const float square = acceleration * radius;
-  return square > 0.0f && square < 1e30f ? smap_root(square) : 0.0f;
-}
-
 static int8_t smap_run_control_check(const smap_control_t *control)
 {
   const smap_t *const map = SMAP_CONTROLLED(control);
@@ -250,13 +244,9 @@ static int8_t smap_run_control_check(const smap_control_t *control)
       policy[SMAP_POLICY_PARAMS] != smap_joints(control) || smap_joints(control) > SMAP_MOST_JOINTS ||
       control->size != settings + table || smap_u32(policy + SMAP_POLICY_MAP) != smap_u32(SMAP_BLOB(map)) ||
       smap_crc(policy + 8, settings - 8u) != smap_u32(policy) ||
-      smap_crc(policy + settings, table) != smap_u32(policy + SMAP_POLICY_CRC_TABLE)) {
+      smap_crc(policy + settings, table) != smap_u32(policy + SMAP_POLICY_CRC_TABLE) ||
+      !smap_check_singles(policy + SMAP_POLICY_JOINTS, (settings - SMAP_POLICY_JOINTS) / 4u, 4, 1e6f)) {
     return SMAP_CORRUPT;
-  }
-  for (i = 0; i < SMAP_POLICY_JOINT / 4 * smap_joints(control); i++) {
-    if (!smap_is_within(smap_f32(policy + SMAP_POLICY_JOINTS + 4u * i), 1e6f)) {
-      return SMAP_CORRUPT;
-    }
   }
   for (i = SMAP_POLICY_LIMIT; i < SMAP_POLICY_JOINTS; i = (uint8_t)(i + 4)) {
     if (!smap_is_positive(smap_f32(policy + i))) {
@@ -287,5 +277,5 @@ static int8_t smap_run_start(const smap_control_t *control, void *memory, uint16
 }
 
 static const smap_control_runtime_t smap_control_run = {
-    smap_run_start,  smap_run_ground, smap_run_target, smap_run_transit, smap_run_step,
-    smap_run_budget, smap_run_turn,   smap_run_alarm,  smap_run_sane,    smap_run_control_check};
+    smap_run_start,  smap_run_ground, smap_run_target, smap_run_transit,      smap_run_step,
+    smap_run_budget, smap_run_alarm,  smap_run_sane,   smap_run_control_check};

@@ -60,7 +60,7 @@ void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, con
     if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
       made = (int8_t)smap_pose(&map, row, &pose.head, sizeof pose, SMAP_FLOAT);
     }
-    status[i] = made != SMAP_OK ? smap_deny(reading + i, -SMAP_PI, made)
+    status[i] = made != SMAP_OK ? smap_deny(reading + i, made)
                                 : (int8_t)smap_at(&pose.head, gravity + i * 3, reading + i);
   }
 }

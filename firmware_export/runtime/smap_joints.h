@@ -91,6 +91,19 @@ SMAP_FOLDED void smap_entries(const smap_t *map, const smap_places_t *at, const 
   }
 }
 
+/* Tells whether products are of entries before them, and terms of entries; `fixed` of these are no products. */
+SMAP_PLAIN int smap_check_entries(smap_bytes_t products, uint32_t count, uint32_t fixed, smap_bytes_t entries,
+                                  uint32_t terms)
+{
+  uint32_t i;
+  for (i = 0; i < count; i++) {
+    if (!smap_check_below(products + 2 * i, 2, fixed + i)) {
+      return 0;
+    }
+  }
+  return smap_check_below(entries, terms, fixed + count);
+}
+
 #include "smap_series.h"
 
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
@@ -138,7 +151,7 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
     return 0;
   }
   if (SMAP_SERIES && (body[SMAP_IN_FLAGS] & SMAP_BY_SERIES)) {
-    return smap_check_singles(body + SMAP_IN_LOWEST, 3) && smap_check_series(map, limit);
+    return smap_check_singles(body + SMAP_IN_LOWEST, 3, 4, SMAP_LARGEST) && smap_check_series(map, limit);
   }
   terms = smap_u16(body + SMAP_IN_TERMS);
   fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
@@ -149,19 +162,10 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
     return 0;
   }
   at = smap_places(map);
-  if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
-      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u)) {
+  if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3, 4, SMAP_LARGEST) ||
+      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u, 4, SMAP_LARGEST) ||
+      !smap_check_below(at.joints, (uint32_t)(at.products - at.joints), SMAP_BLOB(map)[SMAP_AT_PARAMS])) {
     return 0;
-  }
-  for (i = 0; i < (uint32_t)(at.products - at.joints); i++) {
-    if (at.joints[i] >= SMAP_BLOB(map)[SMAP_AT_PARAMS]) {
-      return 0;
-    }
-  }
-  for (i = 0; i < 2u * body[SMAP_IN_PRODUCTS]; i++) { /* a product of what is known before it */
-    if (at.products[i] >= fixed + i / 2u) {
-      return 0;
-    }
   }
   for (i = 0; at.axis_of + i < at.counts; i++) {
     if (at.axis_of[i] != SMAP_NO_AXIS && at.axis_of[i] >= body[SMAP_IN_AXES]) {
@@ -171,10 +175,5 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   for (i = 0; i < at.coordinates; i++) {
     sum += at.counts[i];
   }
-  for (i = 0; i < terms; i++) {
-    if (at.entries[i] >= fixed + body[SMAP_IN_PRODUCTS]) {
-      return 0;
-    }
-  }
-  return sum == terms;
+  return sum == terms && smap_check_entries(at.products, body[SMAP_IN_PRODUCTS], fixed, at.entries, terms);
 }

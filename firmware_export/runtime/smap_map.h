@@ -140,31 +140,40 @@ static int smap_check_head(const smap_t *map)
          SMAP_AT_AXES + (uint32_t)SMAP_AXIS_BYTES * blob[SMAP_AT_PARAMS] < map->size;
 }
 
-/* The singles from a place on: each finite. */
-SMAP_INLINE int smap_check_singles(smap_bytes_t at, uint32_t count)
+/* Tells whether singles, so many bytes apart, are within a limit. */
+SMAP_PLAIN int smap_check_singles(smap_bytes_t at, uint32_t count, uint8_t apart, float limit)
 {
-  uint32_t i;
-  for (i = 0; i < count; i++) {
-    if (!smap_is_finite(smap_f32(at + 4 * i))) {
+  for (; count > 0; count--, at += apart) {
+    if (!smap_is_within(smap_f32(at), limit)) {
       return 0;
     }
   }
   return 1;
 }
+
+/* Tells whether bytes are below a number. */
+SMAP_PLAIN int smap_check_below(smap_bytes_t at, uint32_t count, uint32_t limit)
+{
+  for (; count > 0; count--, at++) {
+    if (*at >= limit) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
 /* The singles of a map that is read with floats: finite, upper ends above lower ones. */
 SMAP_PLAIN int smap_check_axes(const smap_t *map)
 {
   uint8_t i;
   for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const smap_bytes_t axis = smap_axis(map, i);
-    const float low = smap_f32(axis + SMAP_AXIS_MIN), high = smap_f32(axis + SMAP_AXIS_MAX);
-    const float tolerance = smap_f32(axis + SMAP_AXIS_SLACK);
-    if (!smap_is_within(low, 1e6f) || !smap_is_within(high, 1e6f) ||
-        !smap_is_within(tolerance, 1e6f) || !smap_is_positive(high - low)) {
+    if (!smap_check_singles(axis, 3, 4, 1e6f) ||
+        !smap_is_positive(smap_f32(axis + SMAP_AXIS_MAX) - smap_f32(axis + SMAP_AXIS_MIN))) {
       return 0;
     }
   }
-  return smap_check_singles(SMAP_BLOB(map) + SMAP_AT_LIMIT, 3) &&
+  return smap_check_singles(SMAP_BLOB(map) + SMAP_AT_LIMIT, 3, 4, SMAP_LARGEST) &&
          smap_is_positive(smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP));
 }
 
