@@ -183,7 +183,7 @@ static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, con
                               float *acceleration)
 {
   float f[3], to[3], sum = 0.0f;
-  uint8_t n, i;
+  uint8_t n;
   int8_t status = SMAP_INVALID;
   *acceleration = 0.0f;
   memcpy(f, gravity, sizeof f);
@@ -221,9 +221,7 @@ static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, con
       sum = SMAP_MOST_BUDGET / SMAP_GRAVITY;
       break;
     }
-    for (i = 0; i < 3; i++) {
-      f[i] -= t * to[i];
-    }
+    smap_plus(f, -t, to, f);
   }
   *acceleration = SMAP_GRAVITY * 0.9999f * sum;
   return status;
