@@ -4,12 +4,9 @@
 
 /* ---- joints: where the contacts are -----------------------------------------------------------------
  * Every coordinate is a sum of weighted products of sines and cosines of revolute joints and of travels
- * of prismatic ones: exact for any tree of joints.  The body of the map:
+ * of prismatic ones: exact for any tree of joints.  Behind what is for many contacts the body
+ * of the map has
  *
- *   0 angles   u8   2 products u8   4 terms u16          8 lowest     f32   a facet carries if the centre
- *   1 travels  u8   3 axes     u8   6 flags u8          12 steepest   f32   of mass is higher over it, and
- *                             7 order u8          16 rest_width f32   if -n_z is greater
- *  20 bytes of the codec for many contacts u16          22 that, and then
  *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
@@ -21,16 +18,16 @@
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
 enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };
 enum {
-  SMAP_IN_ANGLES = 0,
+  SMAP_IN_ANGLES = 0,        /* u8, as the next three */
   SMAP_IN_TRAVELS = 1,
   SMAP_IN_PRODUCTS = 2,
   SMAP_IN_AXES = 3,
-  SMAP_IN_TERMS = 4,
-  SMAP_IN_FLAGS = 6,
-  SMAP_IN_LOWEST = 8,
-  SMAP_IN_STEEPEST = 12,
-  SMAP_IN_REST_WIDTH = 16,
-  SMAP_IN_MANY_BYTES = 20,
+  SMAP_IN_TERMS = 4,         /* u16 */
+  SMAP_IN_FLAGS = 6,         /* u8; 7 order u8, see smap_three.h */
+  SMAP_IN_LOWEST = 8,        /* f32: a facet carries if the centre of mass is higher over it, */
+  SMAP_IN_STEEPEST = 12,     /* f32: and if -n_z is greater */
+  SMAP_IN_REST_WIDTH = 16,   /* f32 */
+  SMAP_IN_MANY_BYTES = 20,   /* u16, of what is for many contacts, see smap_pose.h */
   SMAP_IN_MANY = 22
 };
 #define SMAP_NO_AXIS 255 /* of a point or a sphere */

@@ -4,15 +4,7 @@
 
 /* ---- map: the descriptor and its tables, byte by byte ----------------------------------------------
  * Little-endian numbers at offsets; no pointers and no padding, so alignment and address spaces do not
- * matter.  What an export knows of its own blob becomes constants where the compiler optimises.
- *
- *   0 crc   u32 of all that follows      8 version  u8     16 chart limit f32, a hair wide
- *   4 bytes u32 of everything            9 codec    u8     20 guard       f32, rad
- *                                       10 params   u8     24 step        f32, of lengths as integers
- *                                       11 channels u8     28 guard       u16, 1/32767
- *                                       12 faces    u8     30 chart limit u16, 1/4096, a hair wide
- *                                       13 contacts u8     32 axes, then the codec's own part
- */
+ * matter.  What an export knows of its own blob becomes constants where the compiler optimises. */
 enum {
   SMAP_CODEC_POINTS = 1,
   SMAP_CODEC_TABLES = 3,
@@ -22,20 +14,20 @@ enum {
 };
 enum { SMAP_SDG = 1, SMAP_TIP_ANGLE = 2, SMAP_HEIGHT = 4 }; /* bits of `channels` */
 enum {
-  SMAP_AT_CRC = 0,
-  SMAP_AT_BYTES = 4,
-  SMAP_AT_VERSION = 8,
+  SMAP_AT_CRC = 0,       /* u32 of all that follows */
+  SMAP_AT_BYTES = 4,     /* u32 of everything */
+  SMAP_AT_VERSION = 8,   /* u8, as the next five */
   SMAP_AT_CODEC = 9,
   SMAP_AT_PARAMS = 10,
   SMAP_AT_CHANNELS = 11,
   SMAP_AT_FACES = 12,
   SMAP_AT_CONTACTS = 13,
-  SMAP_AT_LIMIT = 16,
-  SMAP_AT_GUARD = 20,
-  SMAP_AT_STEP = 24,
-  SMAP_AT_GUARD_I = 28,
-  SMAP_AT_LIMIT_I = 30,
-  SMAP_AT_AXES = 32,
+  SMAP_AT_LIMIT = 16,    /* f32, of the chart, a hair wide */
+  SMAP_AT_GUARD = 20,    /* f32, rad */
+  SMAP_AT_STEP = 24,     /* f32, of lengths as integers */
+  SMAP_AT_GUARD_I = 28,  /* u16, 1/32767 */
+  SMAP_AT_LIMIT_I = 30,  /* u16, 1/4096, a hair wide */
+  SMAP_AT_AXES = 32,     /* and then the codec's own part */
   /* An axis has two ends, and is read beyond them by the sensor tolerance, which also stands in
    * steps.  A negative one (65535 steps) says that the joint turns all the way round. */
   SMAP_AXIS_MIN = 0,

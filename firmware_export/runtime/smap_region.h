@@ -95,11 +95,9 @@ static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float 
 
 SMAP_INLINE void smap_mix(const float p[3], const float q[3], float part, float out[3])
 {
-  uint8_t k;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = p[k] + part * (q[k] - p[k]);
-  }
+  out[0] = p[0] + part * (q[0] - p[0]);
+  out[1] = p[1] + part * (q[1] - p[1]);
+  out[2] = p[2] + part * (q[2] - p[2]);
 }
 
 /* Turn vectors about z. */
