@@ -47,7 +47,7 @@ SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
       if (!smap_is_finite(x)) {
         return SMAP_INVALID;
       }
-      if (tolerance < 0.0f
+      if (SMAP_TURNS && tolerance < 0.0f
               ? !smap_unwind(&x, low, high)
               : !smap_is_within(x < low ? low - x : x > high ? x - high : 0.0f, tolerance)) {
         return SMAP_OFF_RANGE;
