@@ -160,7 +160,7 @@ SMAP_PLAIN int smap_check_axes(const smap_t *map)
   uint8_t i;
   for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const smap_bytes_t axis = smap_axis(map, i);
-    if (!smap_check_singles(axis, 3, 4, 1e6f) ||
+    if (!smap_check_singles(axis, 3, 4, 1e6f) || (!SMAP_TURNS && smap_f32(axis + SMAP_AXIS_SLACK) < 0.0f) ||
         !smap_is_positive(smap_f32(axis + SMAP_AXIS_MAX) - smap_f32(axis + SMAP_AXIS_MIN))) {
       return 0;
     }
