@@ -34,7 +34,10 @@ class ExportFolder:
         path = folder / f"{self.report['name']}.c"
         try:
             digest = file_digest(path.read_bytes())
-            same, content = digest == tables["source_sha256"], restored(tables)
+            same, self.blob = digest == tables["source_sha256"], restored(tables)
+            self.host = Host(self.blob)
+            if self.host.check() != 0:  # a read could leave its memory
+                raise ValueError("smap_check refuses them")
         except OSError as error:
             raise InputError(
                 f"{path}: cannot be read (got {error.strerror}); export again."
@@ -49,8 +52,6 @@ class ExportFolder:
                 f"{path}: is not the file that was exported (got the digest {digest[:12]}, its "
                 f"report says {str(tables['source_sha256'])[:12]}); export again."
             )
-        self.blob = content
-        self.host = Host(content)
 
     def read(
         self, params: Sequence[float], gravity: Sequence[float]

@@ -74,15 +74,13 @@ def program(family: str, control: bool = False) -> str:
     config = {"SMAP_HOST": 1, **USUAL}
     known = zip(CAPACITIES, MANY.get(family, ()), strict=family in MANY)
     config |= {f"SMAP_MAX_{key}": value for key, value in known}
-    config |= {"SMAP_RAILS": 2, "SMAP_DISCS": 4, "SMAP_PIVOTS": 0}
+    config |= {"SMAP_RAILS": 2, "SMAP_DISCS": 4, "SMAP_PIVOTS": 0, "SMAP_TURNS": 1}
     config |= {"SMAP_CONTROL": 1} if control else {}
     lines = [f"#define {name} {value}" for name, value in config.items()]
     lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']
     if control:
         lines += [f'#include "{control_file(family)}"']
-        lines += ["extern const smap_control_runtime_t *const steers;"]
         lines += ["const smap_control_runtime_t *const steers = &smap_control_run;"]
-    lines += ["extern const smap_runtime_t *const seen;"]
     lines += ["const smap_runtime_t *const seen = &smap_run;"]
     return "\n".join([*lines, ""])
 
@@ -90,6 +88,8 @@ def program(family: str, control: bool = False) -> str:
 def measure(export: Export, folder: Path) -> Measure:
     """Compile an export; return bytes of code, of the deepest stack, and of a pose."""
     package.write(export, folder)
+    source = folder / f"{export.name}.c"  # as if a joint turned all the way round
+    source.write_text(source.read_text("utf-8").replace("SMAP_TURNS 0", "SMAP_TURNS 1"), "utf-8")
     size = compiled(export.name, BOARD, "-Os", folder, {})
     if more := undefined(folder / f"{export.name}.o") - ALLOWED:
         raise ExportError(

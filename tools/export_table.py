@@ -71,9 +71,8 @@ def row(case: Case, output: Path, number: int, points: int) -> str:
     largest = f"{sdg['max_percent']:.3g} %" if "max_percent" in sdg else "jumps" if sdg else "-"
     p99 = f"{sdg['p99_percent']:.3g} %" if sdg else "-"
     return (
-        f"| {case.recipe} | {made.label} | {case.arithmetic} | "
-        f"{made.export.tables.bytes:,} | {made.total:,} | "
-        f"{largest} | {p99} | {report['guard_deg']:.3g} deg | "
+        f"| {case.recipe} | {made.label} | {case.arithmetic} | {report['bytes']['tables']:,} | "
+        f"{report['bytes']['total']:,} | {largest} | {p99} | {report['guard_deg']:.3g} deg | "
         f"{100.0 * certificate['false_tip']:.3g} % | {certificate['false_safe']} | "
         f"{certificate['points']:,} |"
     )

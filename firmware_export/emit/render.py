@@ -13,7 +13,7 @@ from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import LICENCE, control_text, runtime_text
 from firmware_export.emit.text import block_comment, bytes_array, columns, defines, plain_text
 from firmware_export.host import family_of
-from firmware_export.protocol import Export, describe, literal
+from firmware_export.protocol import Export, describe, literal, turns
 from lutgen._version import __version__
 from lutgen.quantities import QUANTITIES
 
@@ -180,6 +180,7 @@ def _source(export: Export) -> dict[str, Any]:
         "SMAP_OWN_BYTES": len(blob.bytes),
         "SMAP_MAX_PARAMS": max(export.model.k, 1),
         "SMAP_SERIES": 0,
+        "SMAP_TURNS": int(any(turns(export.model, i) for i in range(export.model.k))),
         **dict(export.body.macros),
     }
     found = {

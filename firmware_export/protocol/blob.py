@@ -135,4 +135,7 @@ def restored(content: Mapping[str, Any]) -> Blob:
     packed = base64.b64decode(content["blob"], validate=True)
     if zlib.crc32(packed[4:]).to_bytes(4, "little") != packed[:4]:
         raise ValueError("its CRC-32 is another")
-    return Blob(packed, (), int(content["codec"]), int(content["params"]), bool(content["integer"]))
+    codec, params = int(content["codec"]), int(content["params"])
+    if packed[9:11] != bytes((codec, params)):
+        raise ValueError("their codec or number of parameters is another")
+    return Blob(packed, (), codec, params, bool(content["integer"]))

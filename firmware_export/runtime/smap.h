@@ -132,31 +132,36 @@ static inline smap_status_t smap_pose_q(const smap_t *map, const int16_t *params
 
 /* ---- for every sample of gravity -------------------------------------------------------------- */
 
+/* Write what is no reading, by bits: chips without floats do so, too. */
+static inline int8_t smap_deny(smap_reading_t *out, int8_t status)
+{
+  const uint32_t nan_bits = 0x7FC00000u, minus_pi_bits = 0xC0490FDBu;
+  memcpy(&out->sdg, &nan_bits, sizeof nan_bits);
+  memcpy(&out->height, &nan_bits, sizeof nan_bits);
+  memcpy(&out->tip_angle, &minus_pi_bits, sizeof minus_pi_bits);
+  out->over[0] = out->over[1] = 255;
+  return status;
+}
+
+static inline int8_t smap_deny_i(smap_reading_i_t *out, int8_t status)
+{
+  out->sdg = out->height = 65535;
+  out->tip = -32767;
+  out->over[0] = out->over[1] = 255;
+  return status;
+}
+
 /* Read a pose under a direction of gravity, in floats. */
 static inline smap_status_t smap_at(const smap_pose_t *pose, const float gravity[3], smap_reading_t *out)
 {
-  const uint32_t nan_bits = 0x7FC00000u;
-  if (pose->map != 0) {
-    return (smap_status_t)pose->map->run->at(pose, gravity, out);
-  }
-  memcpy(&out->sdg, &nan_bits, sizeof nan_bits);
-  memcpy(&out->height, &nan_bits, sizeof nan_bits);
-  out->tip_angle = -3.14159265f;
-  out->over[0] = out->over[1] = 255;
-  return SMAP_INVALID;
+  return (smap_status_t)(pose->map != 0 ? pose->map->run->at(pose, gravity, out) : smap_deny(out, SMAP_INVALID));
 }
 
 /* The same without any float: raw counts of an accelerometer, turned to point down. */
 static inline smap_status_t smap_at_i(const smap_pose_t *pose, const int16_t gravity[3],
                                       smap_reading_i_t *out)
 {
-  if (pose->map != 0) {
-    return (smap_status_t)pose->map->run->at_i(pose, gravity, out);
-  }
-  out->sdg = out->height = 65535;
-  out->tip = -32767;
-  out->over[0] = out->over[1] = 255;
-  return SMAP_INVALID;
+  return (smap_status_t)(pose->map != 0 ? pose->map->run->at_i(pose, gravity, out) : smap_deny_i(out, SMAP_INVALID));
 }
 
 /* Read a pose under n directions: n readings, and the worst status of all; SMAP_INVALID of none. */

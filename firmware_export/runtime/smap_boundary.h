@@ -43,7 +43,7 @@ static void smap_unit_all(smap_work_t *w)
 }
 
 /* Find the gaps and the boundary of the rests that were added; 0 where there is no room for it. */
-static int smap_close(smap_work_t *w)
+SMAP_APART static int smap_close(smap_work_t *w)
 {
   smap_layout_t *const at = w->at;
   const uint8_t corners = at->first[at->rests];

@@ -79,7 +79,6 @@ typedef struct {
   int8_t (*transit)(const smap_control_t *, void *, const float *, const float *, const float *, float *);
   int8_t (*step)(const smap_control_t *, void *, const smap_sample_t *, float *, smap_cycle_t *);
   int8_t (*budget)(const smap_pose_t *, const float *, const float *, uint8_t, float *);
-  float (*turn)(float, float);
   uint8_t (*alarm)(const smap_control_t *, void *, float, float);
   int8_t (*sane)(const smap_control_t *, void *, const smap_sample_t *);
   int8_t (*check)(const smap_control_t *);
@@ -140,12 +139,6 @@ static inline smap_status_t smap_budget(const smap_control_t *control, const sma
                                         float *acceleration)
 {
   return (smap_status_t)control->run->budget(pose, gravity, direction, reads, acceleration);
-}
-
-/* The speed (m/s) at which a turn of a radius (m) takes an acceleration (m/s^2). */
-static inline float smap_turn_speed(const smap_control_t *control, float acceleration, float radius)
-{
-  return control->run->turn(acceleration, radius);
 }
 
 /* The alarm's level, 0 to 3, after a tip angle (rad) and a rate of turning (rad/s): rises at once, falls late. */

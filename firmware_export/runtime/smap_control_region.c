@@ -256,7 +256,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
   const smap_region_t *const o = &many->region;
   const float guard = o->guard, beside = guard + SMAP_NEXT_TO;
   float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
-  uint8_t k, i;
+  uint8_t k;
   for (k = 0; k < many->at.arcs; k++) {
     const float *n = o->wall[many->at.arc[k].wall];
     const float ahead = smap_dot(n, f), side = ahead < 0.0f ? -1.0f : 1.0f;
@@ -266,9 +266,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
       continue;
     }
     t = above / down;
-    for (i = 0; i < 3; i++) {
-      at[i] = f[i] - t * to[i];
-    }
+    smap_plus(f, -t, to, at);
     if (smap_beyond(o, &many->at.arc[k], at) <= beside * (1.0f + t)) {
       least = t;
     }

@@ -228,6 +228,29 @@ SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
   out[2] = z;
 }
 
+SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
+{
+  out[0] = a[0] - b[0];
+  out[1] = a[1] - b[1];
+  out[2] = a[2] - b[2];
+}
+
+/* Go from p so many times v. */
+SMAP_INLINE void smap_plus(const float p[3], float times, const float v[3], float out[3])
+{
+  out[0] = p[0] + times * v[0];
+  out[1] = p[1] + times * v[1];
+  out[2] = p[2] + times * v[2];
+}
+
+/* The square of a distance. */
+SMAP_INLINE float smap_apart2(const float a[3], const float b[3])
+{
+  float d[3];
+  smap_minus(a, b, d);
+  return smap_dot(d, d);
+}
+
 /* The nearest whole number; 0 for what is beyond `most`, at most 32767, or no number. */
 SMAP_INLINE int16_t smap_to_whole(float x, float most)
 {

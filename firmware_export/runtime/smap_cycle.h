@@ -183,7 +183,7 @@ static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, con
                               float *acceleration)
 {
   float f[3], to[3], sum = 0.0f;
-  uint8_t n, i;
+  uint8_t n;
   int8_t status = SMAP_INVALID;
   *acceleration = 0.0f;
   memcpy(f, gravity, sizeof f);
@@ -221,18 +221,10 @@ static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, con
       sum = SMAP_MOST_BUDGET / SMAP_GRAVITY;
       break;
     }
-    for (i = 0; i < 3; i++) {
-      f[i] -= t * to[i];
-    }
+    smap_plus(f, -t, to, f);
   }
   *acceleration = SMAP_GRAVITY * 0.9999f * sum;
   return status;
-}
-
-static float smap_run_turn(float acceleration, float radius)
-{
-  const float square = acceleration * radius;
-  return square > 0.0f && square < 1e30f ? smap_root(square) : 0.0f;
 }
 
 static int8_t smap_run_control_check(const smap_control_t *control)
@@ -250,13 +242,9 @@ static int8_t smap_run_control_check(const smap_control_t *control)
       policy[SMAP_POLICY_PARAMS] != smap_joints(control) || smap_joints(control) > SMAP_MOST_JOINTS ||
       control->size != settings + table || smap_u32(policy + SMAP_POLICY_MAP) != smap_u32(SMAP_BLOB(map)) ||
       smap_crc(policy + 8, settings - 8u) != smap_u32(policy) ||
-      smap_crc(policy + settings, table) != smap_u32(policy + SMAP_POLICY_CRC_TABLE)) {
+      smap_crc(policy + settings, table) != smap_u32(policy + SMAP_POLICY_CRC_TABLE) ||
+      !smap_check_singles(policy + SMAP_POLICY_JOINTS, (settings - SMAP_POLICY_JOINTS) / 4u, 4, 1e6f)) {
     return SMAP_CORRUPT;
-  }
-  for (i = 0; i < SMAP_POLICY_JOINT / 4 * smap_joints(control); i++) {
-    if (!smap_is_within(smap_f32(policy + SMAP_POLICY_JOINTS + 4u * i), 1e6f)) {
-      return SMAP_CORRUPT;
-    }
   }
   for (i = SMAP_POLICY_LIMIT; i < SMAP_POLICY_JOINTS; i = (uint8_t)(i + 4)) {
     if (!smap_is_positive(smap_f32(policy + i))) {
@@ -287,5 +275,5 @@ static int8_t smap_run_start(const smap_control_t *control, void *memory, uint16
 }
 
 static const smap_control_runtime_t smap_control_run = {
-    smap_run_start,  smap_run_ground, smap_run_target, smap_run_transit, smap_run_step,
-    smap_run_budget, smap_run_turn,   smap_run_alarm,  smap_run_sane,    smap_run_control_check};
+    smap_run_start,  smap_run_ground, smap_run_target, smap_run_transit,      smap_run_step,
+    smap_run_budget, smap_run_alarm,  smap_run_sane,   smap_run_control_check};

@@ -116,12 +116,10 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   float(*const place)[3] = w->region->place;
   const float *const corner[4] = {place[e], place[w->next[e]], place[w->next[back]], place[back]};
   const float least = SMAP_SLIT * SMAP_SLIT * SMAP_SIZE(w) * SMAP_SIZE(w);
-  float span[2] = {0.0f, 1.0f}, d[3], u[3];
+  float span[2] = {0.0f, 1.0f}, d[3];
   uint8_t side;
   int slit, one = w->joined[e];
-  smap_minus(corner[0], corner[2], d);
-  smap_minus(corner[1], corner[3], u);
-  slit = smap_dot(d, d) + smap_dot(u, u) < least;
+  slit = smap_apart2(corner[0], corner[2]) + smap_apart2(corner[1], corner[3]) < least;
   smap_minus(w->normal[w->rest[e]], w->normal[w->rest[back]], d);
   if (SMAP_IS_FULL(w, SMAP_OF_GAPS, (p - at->first[at->rests]) / 4u, SMAP_HELD_EDGES) ||
       (!one && !smap_find_span(w, e, d, corner, slit, span))) {

@@ -7,6 +7,7 @@
 #define SMAP_MAX_ENTRIES 255
 #define SMAP_MAX_COORDINATES 255
 #define SMAP_SERIES 1
+#define SMAP_TURNS 1
 #define SMAP_CONTROL 1
 #define SMAP_MAX_CONTACTS 62
 #define SMAP_RAILS 62
@@ -31,59 +32,18 @@
 
 #include SMAP_FILE_OF(SMAP_FAMILY)
 
-/* Tells whether a row of bytes is the one before it; the WebAssembly has no library. */
-static int smap_host_again(const void *row, uint32_t bytes)
+/* How many rows are as the first of them; the WebAssembly has no library. */
+static int64_t smap_host_alike(const void *rows, uint32_t bytes, int64_t count)
 {
-  const uint8_t *const here = (const uint8_t *)row;
-  uint32_t i;
-  for (i = 0; i < bytes; i++) {
-    if (here[i] != (here - bytes)[i]) {
-      return 0;
-    }
+  const uint8_t *const first = (const uint8_t *)rows;
+  int64_t i = bytes;
+  while (i < count * bytes && first[i] == first[i - bytes]) {
+    i++;
   }
-  return 1;
+  return bytes != 0 ? i / bytes : count;
 }
 
-/* `params`: as many numbers as the map has parameters for each query; `gravity`: three. */
-void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
-                          const float *gravity, int8_t *status, smap_reading_t *reading)
-{
-  const smap_t map = {&smap_run, blob, size};
-  const uint8_t width = blob[SMAP_AT_PARAMS];
-  int64_t i;
-  smap_pose_memory_t pose;
-  int8_t made = SMAP_INVALID;
-  for (i = 0; i < count; i++) {
-    const float *const row = params + i * width;
-    /* smap_read is smap_pose and smap_at.  Queries of one posture come one behind the other, and its
-     * pose, which costs more than a reading of it, is made once. */
-    if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
-      made = (int8_t)smap_pose(&map, row, &pose.head, sizeof pose, SMAP_FLOAT);
-    }
-    status[i] = made != SMAP_OK ? smap_deny(reading + i, -SMAP_PI, made)
-                                : (int8_t)smap_at(&pose.head, gravity + i * 3, reading + i);
-  }
-}
-
-void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, const int16_t *params,
-                            const int16_t *gravity, int8_t *status, smap_reading_i_t *reading)
-{
-  const smap_t map = {&smap_run, blob, size};
-  const uint8_t width = blob[SMAP_AT_PARAMS];
-  int64_t i;
-  smap_pose_memory_i_t pose;
-  int8_t made = SMAP_INVALID;
-  for (i = 0; i < count; i++) {
-    const int16_t *const row = params + i * width;
-    if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
-      made = smap_run_pose_q(&map, row, &pose.head, sizeof pose, SMAP_INTEGER);
-    }
-    status[i] = made != SMAP_OK ? smap_deny_i(reading + i, made)
-                                : (int8_t)smap_at_i(&pose.head, gravity + i * 3, reading + i);
-  }
-}
-
-/* Both forms of one posture under many directions: what a program does that keeps its pose. */
+/* One posture under many directions, which a program does that keeps its pose; returns the status of smap_pose. */
 int8_t SMAP_HOST_NAME(at)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                           const float *gravity, int8_t *status, smap_reading_t *reading)
 {
@@ -108,6 +68,35 @@ int8_t SMAP_HOST_NAME(at_i)(const uint8_t *blob, uint32_t size, int64_t count, c
     status[i] = (int8_t)smap_at_i(&pose.head, gravity + i * 3, reading + i);
   }
   return made;
+}
+
+/* `params`: as many numbers as the map has parameters for each query; `gravity`: three.  Queries of one posture come
+ * one behind the other, and its pose, which costs more than a reading of it, is made once. */
+void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
+                          const float *gravity, int8_t *status, smap_reading_t *reading)
+{
+  const uint8_t width = blob[SMAP_AT_PARAMS];
+  int64_t i, alike;
+  for (i = 0; i < count; i += alike) {
+    alike = smap_host_alike(params + i * width, width * (uint32_t)sizeof *params, count - i);
+    (void)SMAP_HOST_NAME(at)(blob, size, alike, params + i * width, gravity + i * 3, status + i, reading + i);
+  }
+}
+
+void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, const int16_t *params,
+                            const int16_t *gravity, int8_t *status, smap_reading_i_t *reading)
+{
+  const smap_t map = {&smap_run, blob, size};
+  const uint8_t width = blob[SMAP_AT_PARAMS];
+  smap_pose_memory_i_t pose;
+  int64_t i, alike = 0;
+  for (i = 0; i < count; i++, alike--) {
+    if (alike == 0) {
+      alike = smap_host_alike(params + i * width, width * (uint32_t)sizeof *params, count - i);
+      (void)smap_run_pose_q(&map, params + i * width, &pose.head, sizeof pose, SMAP_INTEGER);
+    }
+    status[i] = (int8_t)smap_at_i(&pose.head, gravity + i * 3, reading + i);
+  }
 }
 
 int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size)
@@ -137,7 +126,7 @@ void SMAP_HOST_NAME(positions)(const uint8_t *blob, uint32_t size, int64_t count
   int64_t i;
   for (i = 0; i < count; i++) {
     smap_positions(&map, params + i * blob[SMAP_AT_PARAMS], p);
-    memcpy(place + i * width, p, sizeof(float) * (size_t)width);
+    memcpy(place + i * width, p, sizeof(float) * (uint32_t)width);
   }
 }
 #endif

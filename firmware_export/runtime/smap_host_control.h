@@ -105,9 +105,3 @@ void SMAP_HOST_NAME(budget)(const uint8_t *blob, uint32_t size, int64_t count, c
     status[i] = smap_run_budget(&pose.head, gravity + 3 * i, direction + 3 * i, reads, acceleration + i);
   }
 }
-
-float SMAP_HOST_NAME(turn)(float acceleration, float radius);
-float SMAP_HOST_NAME(turn)(float acceleration, float radius)
-{
-  return smap_run_turn(acceleration, radius);
-}

@@ -4,12 +4,9 @@
 
 /* ---- joints: where the contacts are -----------------------------------------------------------------
  * Every coordinate is a sum of weighted products of sines and cosines of revolute joints and of travels
- * of prismatic ones: exact for any tree of joints.  The body of the map:
+ * of prismatic ones: exact for any tree of joints.  Behind what is for many contacts the body
+ * of the map has
  *
- *   0 angles   u8   2 products u8   4 terms u16          8 lowest     f32   a facet carries if the centre
- *   1 travels  u8   3 axes     u8   6 flags u8          12 steepest   f32   of mass is higher over it, and
- *                             7 order u8          16 rest_width f32   if -n_z is greater
- *  20 bytes of the codec for many contacts u16          22 that, and then
  *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
@@ -21,16 +18,16 @@
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
 enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };
 enum {
-  SMAP_IN_ANGLES = 0,
+  SMAP_IN_ANGLES = 0,        /* u8, as the next three */
   SMAP_IN_TRAVELS = 1,
   SMAP_IN_PRODUCTS = 2,
   SMAP_IN_AXES = 3,
-  SMAP_IN_TERMS = 4,
-  SMAP_IN_FLAGS = 6,
-  SMAP_IN_LOWEST = 8,
-  SMAP_IN_STEEPEST = 12,
-  SMAP_IN_REST_WIDTH = 16,
-  SMAP_IN_MANY_BYTES = 20,
+  SMAP_IN_TERMS = 4,         /* u16 */
+  SMAP_IN_FLAGS = 6,         /* u8; 7 order u8, see smap_three.h */
+  SMAP_IN_LOWEST = 8,        /* f32: a facet carries if the centre of mass is higher over it, */
+  SMAP_IN_STEEPEST = 12,     /* f32: and if -n_z is greater */
+  SMAP_IN_REST_WIDTH = 16,   /* f32 */
+  SMAP_IN_MANY_BYTES = 20,   /* u16, of what is for many contacts, see smap_pose.h */
   SMAP_IN_MANY = 22
 };
 #define SMAP_NO_AXIS 255 /* of a point or a sphere */
@@ -91,6 +88,19 @@ SMAP_FOLDED void smap_entries(const smap_t *map, const smap_places_t *at, const 
   }
 }
 
+/* Tells whether products are of entries before them, and terms of entries; `fixed` of these are no products. */
+SMAP_PLAIN int smap_check_entries(smap_bytes_t products, uint32_t count, uint32_t fixed, smap_bytes_t entries,
+                                  uint32_t terms)
+{
+  uint32_t i;
+  for (i = 0; i < count; i++) {
+    if (!smap_check_below(products + 2 * i, 2, fixed + i)) {
+      return 0;
+    }
+  }
+  return smap_check_below(entries, terms, fixed + count);
+}
+
 #include "smap_series.h"
 
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
@@ -138,7 +148,7 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
     return 0;
   }
   if (SMAP_SERIES && (body[SMAP_IN_FLAGS] & SMAP_BY_SERIES)) {
-    return smap_check_singles(body + SMAP_IN_LOWEST, 3) && smap_check_series(map, limit);
+    return smap_check_singles(body + SMAP_IN_LOWEST, 3, 4, SMAP_LARGEST) && smap_check_series(map, limit);
   }
   terms = smap_u16(body + SMAP_IN_TERMS);
   fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
@@ -149,19 +159,10 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
     return 0;
   }
   at = smap_places(map);
-  if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
-      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u)) {
+  if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3, 4, SMAP_LARGEST) ||
+      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u, 4, SMAP_LARGEST) ||
+      !smap_check_below(at.joints, (uint32_t)(at.products - at.joints), SMAP_BLOB(map)[SMAP_AT_PARAMS])) {
     return 0;
-  }
-  for (i = 0; i < (uint32_t)(at.products - at.joints); i++) {
-    if (at.joints[i] >= SMAP_BLOB(map)[SMAP_AT_PARAMS]) {
-      return 0;
-    }
-  }
-  for (i = 0; i < 2u * body[SMAP_IN_PRODUCTS]; i++) { /* a product of what is known before it */
-    if (at.products[i] >= fixed + i / 2u) {
-      return 0;
-    }
   }
   for (i = 0; at.axis_of + i < at.counts; i++) {
     if (at.axis_of[i] != SMAP_NO_AXIS && at.axis_of[i] >= body[SMAP_IN_AXES]) {
@@ -171,10 +172,5 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   for (i = 0; i < at.coordinates; i++) {
     sum += at.counts[i];
   }
-  for (i = 0; i < terms; i++) {
-    if (at.entries[i] >= fixed + body[SMAP_IN_PRODUCTS]) {
-      return 0;
-    }
-  }
-  return sum == terms;
+  return sum == terms && smap_check_entries(at.products, body[SMAP_IN_PRODUCTS], fixed, at.entries, terms);
 }

@@ -4,15 +4,7 @@
 
 /* ---- map: the descriptor and its tables, byte by byte ----------------------------------------------
  * Little-endian numbers at offsets; no pointers and no padding, so alignment and address spaces do not
- * matter.  What an export knows of its own blob becomes constants where the compiler optimises.
- *
- *   0 crc   u32 of all that follows      8 version  u8     16 chart limit f32, a hair wide
- *   4 bytes u32 of everything            9 codec    u8     20 guard       f32, rad
- *                                       10 params   u8     24 step        f32, of lengths as integers
- *                                       11 channels u8     28 guard       u16, 1/32767
- *                                       12 faces    u8     30 chart limit u16, 1/4096, a hair wide
- *                                       13 contacts u8     32 axes, then the codec's own part
- */
+ * matter.  What an export knows of its own blob becomes constants where the compiler optimises. */
 enum {
   SMAP_CODEC_POINTS = 1,
   SMAP_CODEC_TABLES = 3,
@@ -22,20 +14,20 @@ enum {
 };
 enum { SMAP_SDG = 1, SMAP_TIP_ANGLE = 2, SMAP_HEIGHT = 4 }; /* bits of `channels` */
 enum {
-  SMAP_AT_CRC = 0,
-  SMAP_AT_BYTES = 4,
-  SMAP_AT_VERSION = 8,
+  SMAP_AT_CRC = 0,       /* u32 of all that follows */
+  SMAP_AT_BYTES = 4,     /* u32 of everything */
+  SMAP_AT_VERSION = 8,   /* u8, as the next five */
   SMAP_AT_CODEC = 9,
   SMAP_AT_PARAMS = 10,
   SMAP_AT_CHANNELS = 11,
   SMAP_AT_FACES = 12,
   SMAP_AT_CONTACTS = 13,
-  SMAP_AT_LIMIT = 16,
-  SMAP_AT_GUARD = 20,
-  SMAP_AT_STEP = 24,
-  SMAP_AT_GUARD_I = 28,
-  SMAP_AT_LIMIT_I = 30,
-  SMAP_AT_AXES = 32,
+  SMAP_AT_LIMIT = 16,    /* f32, of the chart, a hair wide */
+  SMAP_AT_GUARD = 20,    /* f32, rad */
+  SMAP_AT_STEP = 24,     /* f32, of lengths as integers */
+  SMAP_AT_GUARD_I = 28,  /* u16, 1/32767 */
+  SMAP_AT_LIMIT_I = 30,  /* u16, 1/4096, a hair wide */
+  SMAP_AT_AXES = 32,     /* and then the codec's own part */
   /* An axis has two ends, and is read beyond them by the sensor tolerance, which also stands in
    * steps.  A negative one (65535 steps) says that the joint turns all the way round. */
   SMAP_AXIS_MIN = 0,
@@ -140,31 +132,40 @@ static int smap_check_head(const smap_t *map)
          SMAP_AT_AXES + (uint32_t)SMAP_AXIS_BYTES * blob[SMAP_AT_PARAMS] < map->size;
 }
 
-/* The singles from a place on: each finite. */
-SMAP_INLINE int smap_check_singles(smap_bytes_t at, uint32_t count)
+/* Tells whether singles, so many bytes apart, are within a limit. */
+SMAP_PLAIN int smap_check_singles(smap_bytes_t at, uint32_t count, uint8_t apart, float limit)
 {
-  uint32_t i;
-  for (i = 0; i < count; i++) {
-    if (!smap_is_finite(smap_f32(at + 4 * i))) {
+  for (; count > 0; count--, at += apart) {
+    if (!smap_is_within(smap_f32(at), limit)) {
       return 0;
     }
   }
   return 1;
 }
+
+/* Tells whether bytes are below a number. */
+SMAP_PLAIN int smap_check_below(smap_bytes_t at, uint32_t count, uint32_t limit)
+{
+  for (; count > 0; count--, at++) {
+    if (*at >= limit) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
 /* The singles of a map that is read with floats: finite, upper ends above lower ones. */
 SMAP_PLAIN int smap_check_axes(const smap_t *map)
 {
   uint8_t i;
   for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const smap_bytes_t axis = smap_axis(map, i);
-    const float low = smap_f32(axis + SMAP_AXIS_MIN), high = smap_f32(axis + SMAP_AXIS_MAX);
-    const float tolerance = smap_f32(axis + SMAP_AXIS_SLACK);
-    if (!smap_is_within(low, 1e6f) || !smap_is_within(high, 1e6f) ||
-        !smap_is_within(tolerance, 1e6f) || !smap_is_positive(high - low)) {
+    if (!smap_check_singles(axis, 3, 4, 1e6f) || (!SMAP_TURNS && smap_f32(axis + SMAP_AXIS_SLACK) < 0.0f) ||
+        !smap_is_positive(smap_f32(axis + SMAP_AXIS_MAX) - smap_f32(axis + SMAP_AXIS_MIN))) {
       return 0;
     }
   }
-  return smap_check_singles(SMAP_BLOB(map) + SMAP_AT_LIMIT, 3) &&
+  return smap_check_singles(SMAP_BLOB(map) + SMAP_AT_LIMIT, 3, 4, SMAP_LARGEST) &&
          smap_is_positive(smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP));
 }
 

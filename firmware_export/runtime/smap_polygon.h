@@ -9,10 +9,9 @@ static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_
   uint8_t first = 0, k, placed = 0, at;
   float most = -1.0f;
   for (k = 1; k < count; k++) { /* the furthest from any is a corner */
-    float d[3];
-    smap_minus(p[k], p[0], d);
-    if (smap_dot(d, d) > most) {
-      most = smap_dot(d, d);
+    const float far = smap_apart2(p[k], p[0]);
+    if (far > most) {
+      most = far;
       first = k;
     }
   }
@@ -101,10 +100,6 @@ static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], u
   if (!wide && (count == 3 || !smap_is_wide(w, n, p, count))) {
     return 0;
   }
-  area = 1.0f / (3.0f * area);
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    centre[k] = p[0][k] + sum[k] * area;
-  }
+  smap_plus(p[0], 1.0f / (3.0f * area), sum, centre);
   return 1;
 }

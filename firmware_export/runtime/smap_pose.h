@@ -100,7 +100,7 @@ static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_re
     status = smap_direction(pose->map, gravity, d);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, -SMAP_PI, status);
+    return smap_deny(out, status);
   }
   status = smap_read_region(&many->at, &many->region, d, out);
   return smap_judge(pose->map, out, status);
@@ -182,7 +182,7 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
 {
   smap_pose_memory_t pose;
   const int8_t status = smap_pose_floats(map, params, &pose.head, sizeof pose, SMAP_FLOAT);
-  return status != SMAP_OK ? smap_deny(out, -SMAP_PI, status) : smap_run_at(&pose.head, gravity, out);
+  return status != SMAP_OK ? smap_deny(out, status) : smap_run_at(&pose.head, gravity, out);
 }
 
 static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const int16_t *gravity_q,
@@ -219,12 +219,7 @@ static int smap_check_many(const smap_t *map)
       return 0;
     }
   }
-  for (i = 0; i < SMAP_SINGLES; i = (uint8_t)(i + 4)) {
-    if (!smap_is_within(smap_f32(body + i), 1e6f)) {
-      return 0;
-    }
-  }
-  return smap_is_within(smap_f32(body), 1.001f) && smap_is_within(smap_f32(body + 4), 1.001f) &&
+  return smap_check_singles(body, SMAP_SINGLES / 4, 4, 1e6f) && smap_check_singles(body, 2, 4, 1.001f) &&
          smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 32), 0.5f);
 }
 

@@ -47,7 +47,7 @@ SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
       if (!smap_is_finite(x)) {
         return SMAP_INVALID;
       }
-      if (tolerance < 0.0f
+      if (SMAP_TURNS && tolerance < 0.0f
               ? !smap_unwind(&x, low, high)
               : !smap_is_within(x < low ? low - x : x > high ? x - high : 0.0f, tolerance)) {
         return SMAP_OFF_RANGE;
@@ -91,15 +91,6 @@ SMAP_INLINE void smap_from_steps(const smap_t *map, const int16_t *params_q, flo
     const float low = smap_f32(axis + SMAP_AXIS_MIN), high = smap_f32(axis + SMAP_AXIS_MAX);
     params[i] = params_q[i] == 32767 ? high : low + (high - low) * ((float)params_q[i] * (1.0f / 32767.0f));
   }
-}
-
-/* Write what is no reading. */
-SMAP_INLINE int8_t smap_deny(smap_reading_t *out, float tip_angle, int8_t status)
-{
-  out->sdg = out->height = smap_from_bits(0x7FC00000u);
-  out->tip_angle = tip_angle;
-  out->over[0] = out->over[1] = 255;
-  return status;
 }
 
 #define SMAP_SHORT_BITS 0x21800000u /* bits of 2^-60 */
@@ -166,13 +157,6 @@ SMAP_INLINE int8_t smap_judge(const smap_t *map, smap_reading_t *out, int8_t goo
   }
   return stands ? good : (int8_t)SMAP_TIPS;
 }
-SMAP_INLINE int8_t smap_deny_i(smap_reading_i_t *out, int8_t status)
-{
-  out->sdg = out->height = 65535;
-  out->tip = -32767;
-  out->over[0] = out->over[1] = 255;
-  return status;
-}
 
 /* Scale raw counts so that the longest component is from 16384 to 32768, and return the square of the
  * length; 0 where there is none. */
@@ -230,13 +214,10 @@ SMAP_PLAIN int8_t smap_no_pose(const smap_t *map, const float *params, smap_pose
 SMAP_PLAIN int8_t smap_no_read(const smap_t *map, const float *params, const float *gravity,
                                smap_reading_t *out)
 {
-  const uint32_t minus_pi_bits = 0xC0490FDBu;
   (void)map;
   (void)params;
   (void)gravity;
-  (void)smap_deny(out, 0.0f, SMAP_INVALID);
-  memcpy(&out->tip_angle, &minus_pi_bits, sizeof minus_pi_bits);
-  return SMAP_INVALID;
+  return smap_deny(out, SMAP_INVALID);
 }
 
 SMAP_PLAIN int8_t smap_no_at(const smap_pose_t *pose, const float *gravity, smap_reading_t *out)

@@ -113,7 +113,7 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   const smap_arc_t *arc = 0;
   int8_t status = SMAP_OK;
   if (best == SMAP_NONE) {
-    return smap_deny(out, -SMAP_PI, SMAP_TIPS);
+    return smap_deny(out, SMAP_TIPS);
   }
   i = best;
   do { /* planes that are all but one are in any order */
@@ -135,8 +135,10 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   }
   if (status == SMAP_TIPS || !(tip >= guard)) {
     tip -= guard;
-    (void)smap_deny(out, tip > -1.0f ? smap_asin(tip) : -SMAP_PI, SMAP_TIPS);
-    status = SMAP_TIPS;
+    status = smap_deny(out, SMAP_TIPS);
+    if (tip > -1.0f) {
+      out->tip_angle = smap_asin(tip);
+    }
   } else {
     out->tip_angle = at->arcs ? smap_less(tip, guard) : 3.1415925f;
     out->height = o->height[best];

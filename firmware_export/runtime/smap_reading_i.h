@@ -207,10 +207,9 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
   }
   tip = (tip < 0 ? tip / (size - 1) : tip / (size + 1)) - o->guard;
   if (tip < 0 || status == SMAP_TIPS) {
-    (void)smap_deny_i(out, SMAP_TIPS);
+    status = smap_deny_i(out, SMAP_TIPS);
     tip = tip < 0 ? tip : -1;
     out->tip = (int16_t)(tip > -SMAP_ONE_I ? tip : -SMAP_ONE_I);
-    status = SMAP_TIPS;
   } else {
     out->tip = (int16_t)tip;
     out->height = o->height[best];

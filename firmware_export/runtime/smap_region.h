@@ -93,20 +93,11 @@ static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float 
 /* Tells whether there are as many of something as a pose has room for. */
 #define SMAP_IS_FULL(w, what, count, most) ((count) >= SMAP_ROOM((w)->map->room[what], most))
 
-SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
-{
-  out[0] = a[0] - b[0];
-  out[1] = a[1] - b[1];
-  out[2] = a[2] - b[2];
-}
-
 SMAP_INLINE void smap_mix(const float p[3], const float q[3], float part, float out[3])
 {
-  uint8_t k;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = p[k] + part * (q[k] - p[k]);
-  }
+  out[0] = p[0] + part * (q[0] - p[0]);
+  out[1] = p[1] + part * (q[1] - p[1]);
+  out[2] = p[2] + part * (q[2] - p[2]);
 }
 
 /* Turn vectors about z. */
@@ -196,9 +187,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
 static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 {
   if (w->contact[a] == w->contact[w->next[b]] && w->contact[b] == w->contact[w->next[a]]) {
-    float d[3];
-    smap_minus(w->normal[w->rest[a]], w->normal[w->rest[b]], d);
-    w->joined[a] = w->joined[b] = smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
+    const float turned2 = smap_apart2(w->normal[w->rest[a]], w->normal[w->rest[b]]);
+    w->joined[a] = w->joined[b] = turned2 <= SMAP_JOINED * SMAP_JOINED;
     w->twin[a] = b;
     w->twin[b] = a;
   }

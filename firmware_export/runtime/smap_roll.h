@@ -41,7 +41,7 @@ static uint8_t smap_survey(smap_search_t *s, const float n[3], uint8_t i, uint8_
   level = smap_dot(s->there[i], n);
   for (l = 0; l < SMAP_CONTACTS(s->w); l++) {
     float below;
-    smap_touch_by(s->w, l, smap_is_disc(s->w, l) ? reach[s->w->axle_of[l]] : n, s->there[l]);
+    smap_plus(s->w->p[l], s->w->r[l], smap_is_disc(s->w, l) ? reach[s->w->axle_of[l]] : n, s->there[l]);
     below = smap_dot(s->there[l], n) - level;
     if (l != i && l != j && l != k && below > most) {
       most = below;
@@ -160,7 +160,7 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
   const float limit = s->all ? 2.0f : SMAP_HIGHEST;
   const int round = j != SMAP_NONE && (w->r[i] > 0.0f || w->r[j] > 0.0f);
   float t[3] = {toward[0], toward[1], toward[2]}, start[3], c;
-  uint8_t skip[SMAP_MAX_CONTACTS] = {0}, left, k, to, tries;
+  uint8_t skip[SMAP_MAX_CONTACTS] = {0}, left, to, tries;
   if (round && !s->all && smap_is_last(s, i, j, n, t)) {
     return SMAP_NONE;
   }
@@ -170,9 +170,7 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
       return SMAP_NONE;
     }
     if (!round || c > SMAP_STEP_COT) {
-      for (k = 0; k < 3; k++) {
-        start[k] = n[k] * (c < 1e4f ? c : 1e4f) + t[k];
-      }
+      smap_plus(t, c < 1e4f ? c : 1e4f, n, start);
       (void)smap_unit(start);
     } else {
       if (!smap_turn_on(w, i, j, n, t, limit, start)) {

@@ -31,24 +31,13 @@ static void smap_reach(const float axle[3], const float n[3], float out[3])
   out[2] = z;
 }
 
-/* Find where a contact touches a plane, from the reach of its disc, or the normal. */
-SMAP_INLINE void smap_touch_by(const smap_work_t *w, uint8_t i, const float reach[3], float out[3])
-{
-  const float r = w->r[i];
-  uint8_t k;
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + r * reach[k];
-  }
-}
-
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3])
 {
   float reach[3];
   if (smap_is_disc(w, i)) {
     smap_reach(SMAP_AXLES(w)[w->axle_of[i]], n, reach);
   }
-  smap_touch_by(w, i, smap_is_disc(w, i) ? reach : n, out);
+  smap_plus(w->p[i], w->r[i], smap_is_disc(w, i) ? reach : n, out);
 }
 
 /* Tells whether a contact is a wheel that lies on its face, on which no robot stands. */
@@ -169,9 +158,7 @@ SMAP_APART static uint8_t smap_facet_on(smap_search_t *s, const float n[3], cons
     }
   }
   for (k = 0; k < s->facets; k++) {
-    float d[3];
-    smap_minus(s->facet[k].n, n, d);
-    if (smap_dot(d, d) < SMAP_PARALLEL * SMAP_PARALLEL) {
+    if (smap_apart2(s->facet[k].n, n) < SMAP_PARALLEL * SMAP_PARALLEL) {
       if (smap_common(&s->facet[k], three, 3) > 2) {
         return k;
       }

@@ -141,31 +141,6 @@ SMAP_PLAIN void smap_series_positions(const smap_t *map, const float *q, float *
   }
 }
 
-/* Each row's terms are there, and each term's entry; products are of what is known before them. */
-SMAP_PLAIN int smap_check_series_terms(const smap_series_t *at, uint8_t fixed)
-{
-  const uint32_t terms = (uint32_t)(at->codes - at->entries);
-  const uint32_t products = (uint32_t)(at->entries - at->products) / 2u;
-  smap_bytes_t row;
-  uint32_t i;
-  for (row = at->rows; row < at->products; row += SMAP_ROW_BYTES) {
-    if ((uint32_t)smap_u16(row) + row[2] + row[3] + row[4] > terms) {
-      return 0;
-    }
-  }
-  for (i = 0; i < 2u * products; i++) {
-    if (at->products[i] >= fixed + i / 2u) {
-      return 0;
-    }
-  }
-  for (i = 0; i < terms; i++) {
-    if (at->entries[i] >= fixed + products) {
-      return 0;
-    }
-  }
-  return 1;
-}
-
 /* How many rows the groups have together; 0 where a mask is wrong, or they are more than `most`. */
 static uint32_t smap_check_series_rows(smap_bytes_t axes, uint8_t params, smap_bytes_t masks,
                                        uint8_t groups, uint32_t most)
@@ -192,8 +167,8 @@ SMAP_PLAIN int smap_check_series(const smap_t *map, smap_bytes_t limit)
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   const uint8_t groups = smap_series_groups(map), flags = body[SMAP_IN_FLAGS];
   const uint32_t bytes = (uint32_t)(limit - body), many = smap_u16(body + SMAP_IN_MANY_BYTES);
-  uint32_t need = SMAP_IN_MANY + many + SMAP_SERIES_HEAD + 2u * params, fixed = 1, knots = 0, rows, i;
-  smap_bytes_t head, axes;
+  uint32_t need = SMAP_IN_MANY + many + SMAP_SERIES_HEAD + 2u * params, fixed = 1, knots = 0, terms, rows, i;
+  smap_bytes_t head, axes, row;
   smap_series_t at;
   if ((flags & ~(SMAP_COMMON | SMAP_WIDE)) != SMAP_BY_SERIES || smap_u32(body) != 0 ||
       smap_u16(body + SMAP_IN_TERMS) != 0 || params > SMAP_SERIES_AXES || need > bytes ||
@@ -202,6 +177,7 @@ SMAP_PLAIN int smap_check_series(const smap_t *map, smap_bytes_t limit)
   }
   head = body + SMAP_IN_MANY + many;
   axes = head + SMAP_SERIES_HEAD;
+  terms = smap_u16(head + SMAP_SERIES_TERMS);
   for (i = 0; i < params; i++) {
     knots += axes[2 * i];
     fixed += axes[2 * i + 1];
@@ -211,21 +187,23 @@ SMAP_PLAIN int smap_check_series(const smap_t *map, smap_bytes_t limit)
   }
   need += SMAP_KNOT_BYTES * knots + groups;
   if (need > bytes || fixed + head[SMAP_SERIES_PRODUCTS] > SMAP_MAX_ENTRIES ||
-      !smap_is_finite(smap_f32(head))) {
+      !smap_check_singles(head, 1, 4, SMAP_LARGEST) ||
+      !smap_check_singles(axes + 2u * params, 2u * knots, 4, SMAP_LARGEST)) {
     return 0;
-  }
-  for (i = 0; i < 2u * knots; i++) {
-    if (!smap_is_finite(smap_f32(axes + 2u * params + 4u * i))) {
-      return 0;
-    }
   }
   rows = smap_check_series_rows(axes, params, body + need - groups, groups, bytes / SMAP_ROW_BYTES);
   if (rows == 0 || need + SMAP_ROW_BYTES * rows > bytes) {
     return 0;
   }
+  need += SMAP_ROW_BYTES * rows + 2u * head[SMAP_SERIES_PRODUCTS] + (flags & SMAP_WIDE ? 4u : 3u) * terms;
+  if (need != bytes) {
+    return 0;
+  }
   at = smap_series_begin(map);
-  i = (flags & SMAP_WIDE ? 3u : 2u) * smap_u16(head + SMAP_SERIES_TERMS);
-  need += SMAP_ROW_BYTES * rows + 2u * head[SMAP_SERIES_PRODUCTS] +
-          smap_u16(head + SMAP_SERIES_TERMS) + i;
-  return need == bytes && smap_check_series_terms(&at, (uint8_t)fixed);
+  for (row = at.rows; row < at.products; row += SMAP_ROW_BYTES) {
+    if ((uint32_t)smap_u16(row) + row[2] + row[3] + row[4] > terms) {
+      return 0;
+    }
+  }
+  return smap_check_entries(at.products, head[SMAP_SERIES_PRODUCTS], fixed, at.entries, terms);
 }

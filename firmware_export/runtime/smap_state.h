@@ -1,28 +1,22 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- state: what on-board control keeps between cycles ------------------------------------------- */
-/* The policy, byte by byte, as smap_map.h has the map:
- *   0 crc of the settings u32: bytes 8 to the table    16 largest |u|, |v| of the table  f32
- *   4 crc of the table    u32                          20 cycle f32, 24 latency f32      s
- *   8 crc of the map      u32                          28 margin that is asked for f32   rad
- *  12 version u8, 13 parameters u8                     32 alarm: three levels f32        rad
- *  14 nodes a side u8, 15 poses a cycle u8             44 swerve: of `up` unexplained    rad
- *  48 eight singles per parameter, then the table: codes u8 [u][v][parameter]. */
+/* The policy, byte by byte, as smap_map.h has the map. */
 enum {
-  SMAP_POLICY_CRC = 0,
-  SMAP_POLICY_CRC_TABLE = 4,
-  SMAP_POLICY_MAP = 8,
-  SMAP_POLICY_VERSION = 12,
-  SMAP_POLICY_PARAMS = 13,
-  SMAP_POLICY_NODES = 14,
-  SMAP_POLICY_POSES = 15,
-  SMAP_POLICY_LIMIT = 16,
-  SMAP_POLICY_CYCLE = 20,
-  SMAP_POLICY_LATENCY = 24,
-  SMAP_POLICY_MARGIN = 28,
-  SMAP_POLICY_LEVELS = 32,
-  SMAP_POLICY_SWERVE = 44,
-  SMAP_POLICY_JOINTS = 48,
+  SMAP_POLICY_CRC = 0,       /* u32 of the settings: bytes 8 to the table */
+  SMAP_POLICY_CRC_TABLE = 4, /* u32 */
+  SMAP_POLICY_MAP = 8,       /* u32, the map's crc */
+  SMAP_POLICY_VERSION = 12,  /* u8 */
+  SMAP_POLICY_PARAMS = 13,   /* u8 */
+  SMAP_POLICY_NODES = 14,    /* u8, of a side */
+  SMAP_POLICY_POSES = 15,    /* u8, of a cycle */
+  SMAP_POLICY_LIMIT = 16,    /* f32, largest |u| and |v| of the table */
+  SMAP_POLICY_CYCLE = 20,    /* f32, s */
+  SMAP_POLICY_LATENCY = 24,  /* f32, s */
+  SMAP_POLICY_MARGIN = 28,   /* f32, rad, that is asked for */
+  SMAP_POLICY_LEVELS = 32,   /* f32[3], rad, of the alarm */
+  SMAP_POLICY_SWERVE = 44,   /* f32, rad, of `up` unexplained */
+  SMAP_POLICY_JOINTS = 48,   /* eight singles each, then the table: codes u8 [u][v][parameter] */
   SMAP_POLICY_JOINT = 32, /* bytes of a parameter's singles */
   /* A parameter: value of code 0, of a step of codes; change in a cycle; range around what is desired;
    * change that needs no new pose; and what one unit of it alters at most: of many contacts how far (length) it

@@ -49,18 +49,16 @@ static int smap_find_pivot(const smap_work_t *w, uint8_t i, const float n[3], sm
   slope = apart > SMAP_UPON * SMAP_SIZE(w) && smap_unit(across) ? smap_dot(axle->line, across) : 0.0f;
   smap_minus(axle->ends[0], w->p[at], d);
   part = smap_dot(d, across) / slope;
-  for (k = 0; k < 3; k++) {
-    pivot[k] = w->p[at][k] + part * axle->line[k];
-    com[k] = axle->mass > 0.0f ? w->p[at + 1][k] : pivot[k];
-  }
+  smap_plus(w->p[at], part, axle->line, pivot);
+  memcpy(com, axle->mass > 0.0f ? w->p[at + 1] : pivot, sizeof d);
   smap_minus(com, pivot, d);
   rise = -smap_dot(d, n);
   further = (0.5f * apart - smap_dot(axle->ends[0], n) + smap_dot(com, n)) / rise; /* as if it lay at 45 deg */
   further = rise > 0.0f && further < SMAP_PULLED ? (further > 0.0f ? further : 0.0f) : SMAP_PULLED;
   part = axle->mass * further / (1.0f + further);
   axle->share = 1.0f - axle->mass + part;
+  smap_plus(com, further, d, axle->load[2]);
   for (k = 0; k < 3; k++) {
-    axle->load[2][k] = com[k] + further * d[k];
     axle->rest[k] = (part * pivot[k] - axle->mass * com[k]) / axle->share;
   }
   return smap_absolute(slope) > SMAP_ALONG;
@@ -105,8 +103,8 @@ static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3
     smap_minus(pivot ? axle->load[0] : wall, axle->rest, arm[count]);
     low = smap_dot(arm[count], n);
     rise = pivot && low < SMAP_DEPTH * depth ? SMAP_DEPTH * depth - low : 0.0f;
+    smap_plus(arm[count], rise, n, arm[count]);
     for (l = 0; l < 3; l++) {
-      arm[count][l] += rise * n[l];
       p[count][l] = arm[count][l] * (depth / (low + rise));
     }
     id[count] = count;
@@ -121,12 +119,8 @@ static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3
     smap_cross(arm[j], arm[i], wall);
     smap_cut(o, wall);
     if (axle->mass > 0.0f && (i == last || j == last)) { /* its weight turns the rest but about the line */
-      float along;
       smap_minus(arm[i], arm[j], side);
-      along = smap_dot(side, axle->line);
-      for (l = 0; l < 3; l++) {
-        side[l] -= along * axle->line[l];
-      }
+      smap_plus(side, -smap_dot(side, axle->line), axle->line, side);
       smap_cross(side, lever, own);
       for (l = 0; l < 3; l++) {
         wall[l] = axle->share * wall[l] + axle->mass * own[l];
@@ -166,8 +160,8 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
 {
   const smap_limits_t *const m = w->map;
   const float level = height - m->tolerance + SMAP_UNSURE * m->size;
-  float p[SMAP_SWUNG][3], wall[SMAP_SWUNG][3], d[3];
-  uint8_t id[SMAP_SWUNG], own = SMAP_NONE, count = 0, k, l;
+  float p[SMAP_SWUNG][3], wall[SMAP_SWUNG][3];
+  uint8_t id[SMAP_SWUNG], own = SMAP_NONE, count = 0, k;
   smap_axle_t axle;
   smap_swung_t o;
   int one = 1;
@@ -184,9 +178,7 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
   for (k = 0; k < SMAP_CONTACTS(w); k++) {
     if (extent[k] >= level) {
       smap_touch(w, k, n, p[count]);
-      for (l = 0; l < 3; l++) {
-        p[count][l] += (height - extent[k]) * n[l];
-      }
+      smap_plus(p[count], height - extent[k], n, p[count]);
       id[count++] = k;
     }
   }
@@ -201,8 +193,7 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
     smap_cut_axle(&o, n, m->size, &axle, k & 1, axle.load[k / 2]);
   }
   for (k = 0, count = 0; k < o.count; k++) { /* but for dots */
-    smap_minus(o.at[k + 1 < o.count ? k + 1 : 0].p, o.at[k].p, d);
-    if (smap_dot(d, d) > SMAP_DOT * SMAP_DOT * m->size * m->size) {
+    if (smap_apart2(o.at[k + 1 < o.count ? k + 1 : 0].p, o.at[k].p) > SMAP_DOT * SMAP_DOT * m->size * m->size) {
       memcpy(p[count], o.at[k].p, sizeof *p);
       memcpy(wall[count], o.at[k].wall, sizeof *wall);
       id[count++] = o.at[k].id;

@@ -74,22 +74,13 @@ SMAP_INLINE int smap_three_at(const smap_t *map, const float *q, smap_three_t *o
   return smap_three_make(p, 0, 0.0f, -2.0f, 0.0f, out);
 }
 
-/* No place is infinite or no number. */
-static int smap_check_places(const smap_t *map)
-{
-  smap_bytes_t place = smap_body(map) + 8;
-  uint8_t i;
-  for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++, place += SMAP_PLACE_BYTES) {
-    if (!smap_is_within(smap_f32(place), 1e12f) || !smap_is_within(smap_f32(place + 4), 1e12f)) {
-      return 0;
-    }
-  }
-  return 1;
-}
-
 static int smap_check_own(const smap_t *map, smap_bytes_t limit)
 {
-  return smap_check_axes(map) && smap_check_tables(map, limit) && smap_check_places(map);
+  const smap_bytes_t place = smap_body(map) + 8;
+  const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS];
+  return smap_check_axes(map) && smap_check_tables(map, limit) &&
+         smap_check_singles(place, params, SMAP_PLACE_BYTES, 1e12f) &&
+         smap_check_singles(place + 4, params, SMAP_PLACE_BYTES, 1e12f);
 }
 
 static const smap_runtime_t smap_run = {smap_run_pose, smap_run_pose_q, smap_run_at,   smap_run_at_i,

@@ -43,8 +43,7 @@ SMAP_INLINE int smap_is_wide(const float p[9], float size, float width)
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     const float *const from = &p[3 * i], *const to = i == 2 ? p : &p[3 * i + 3];
-    const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
-    const float length = x * x + y * y + z * z;
+    const float length = smap_apart2(to, from);
     longest = length > longest ? length : longest;
   }
   return size * size >= width * width * longest;

@@ -25,11 +25,11 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
   float d[3];
   int8_t status = smap_three_of(map, params, &three);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, -SMAP_PI, status);
+    return smap_deny(out, status);
   }
   status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, -SMAP_PI, status);
+    return smap_deny(out, status);
   }
   return smap_three_read(map, smap_three_order(map), &three, d, out);
 }
@@ -41,11 +41,11 @@ static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_re
   float d[3];
   int8_t status = three->head.forms & SMAP_FLOAT ? three->head.status : (int8_t)SMAP_INVALID;
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, -SMAP_PI, status);
+    return smap_deny(out, status);
   }
   status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, -SMAP_PI, status);
+    return smap_deny(out, status);
   }
   return smap_three_read(map, smap_three_order(map), &three->real, d, out);
 }

@@ -108,9 +108,8 @@ static int8_t smap_run_sane(const smap_control_t *control, void *memory, const s
   smap_state_memory_t *const state = (smap_state_memory_t *)memory;
   const float cycle = smap_setting(control, SMAP_POLICY_CYCLE);
   const uint8_t had = state->has & SMAP_HAS_SAMPLE;
-  float up[3] = {sample->up[0], sample->up[1], sample->up[2]}, away[3], size, turn, rate;
+  float up[3] = {sample->up[0], sample->up[1], sample->up[2]}, size, turn, rate;
   int8_t status = SMAP_OK;
-  uint8_t i;
   state->has &= (uint8_t)~SMAP_HAS_SAMPLE;
   if (state->control != control || !smap_are_finite(up, 3) || !smap_are_finite(sample->rate, 3) ||
       !smap_are_finite(sample->own, 3) || !smap_are_finite(sample->posture, smap_joints(control)) ||
@@ -126,10 +125,7 @@ static int8_t smap_run_sane(const smap_control_t *control, void *memory, const s
   turn = cycle * rate;
   if (had) {
     const float swerve = smap_setting(control, SMAP_POLICY_SWERVE) + turn;
-    for (i = 0; i < 3; i++) {
-      away[i] = up[i] - state->up[i];
-    }
-    size = smap_dot(away, away);
+    size = smap_apart2(up, state->up);
     if (size > swerve * swerve) {
       status = SMAP_INVALID;
     }
@@ -149,14 +145,11 @@ static void smap_ahead(const smap_control_t *control, const float g[3], const fl
 {
   const float size = smap_rate_of(rate);
   float time = smap_setting(control, SMAP_POLICY_LATENCY);
-  uint8_t i;
   if (time * size > SMAP_FAR_TURN) {
     time = SMAP_FAR_TURN / size;
   }
   smap_cross(g, rate, ahead); /* the body turns, and gravity against it */
-  for (i = 0; i < 3; i++) {
-    ahead[i] = g[i] + time * ahead[i];
-  }
+  smap_plus(g, time, ahead, ahead);
   (void)smap_to_unit(ahead);
 }
 
@@ -189,9 +182,7 @@ static void smap_slope_ahead(const smap_control_t *control, smap_state_memory_t 
   if (!had || !(smap_rate_of(rate) > 0.0f) || !smap_are_finite(state->lean, 3)) {
     return;
   }
-  for (i = 0; i < 3; i++) {
-    ground[i] = rate[i] - state->lean[i];
-  }
+  smap_minus(rate, state->lean, ground);
   smap_ahead(control, g, ground, ahead);
   smap_slope_under(&state->here, ahead, slope);
 }

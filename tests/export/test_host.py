@@ -143,7 +143,9 @@ def test_a_folder_whose_c_file_was_changed_is_refused(folder):
 def test_a_folder_with_damaged_tables_or_without_any_is_refused(folder):
     report = load_report(folder)
     tables = report.pop("tables")
-    wrong = [{**tables, **one} for one in ({"blob": 3}, {"blob": "AAAAAAAA"}, {"codec": "first"})]
+    short = {"blob": "fW3MEwwAAAADAQIA"}  # of the right CRC-32, codec and parameters
+    changes = ({"blob": 3}, {"blob": "AAAAAAAA"}, short, {"codec": "first"}, {"params": 3})
+    wrong = [{**tables, **one} for one in changes]
     for damaged in (*({"tables": one} for one in (*wrong, {"source_sha256": "0"})), {}):
         (folder / "feet_report.json").write_text(json.dumps(report | damaged))
         with pytest.raises(InputError, match="the tables of its report are damaged"):
