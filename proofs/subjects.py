@@ -61,6 +61,6 @@ def made(name: str, folder: Path) -> Subject:
     folder.mkdir(parents=True, exist_ok=True)
     package.write(export, folder / name)
     forms = "SMAP_INTEGER" if export.integer else "SMAP_FLOAT | SMAP_INTEGER"
-    # Eva shows nothing yet for more contacts.
-    three = family_of(export.body.codec, export.integer) in ("points", "tables", "tables_i")
-    return Subject(name, (folder / name).absolute(), export.model.k, forms, three)
+    # Eva shows nothing yet for more contacts in closed form.
+    shown = family_of(export.body.codec, export.integer) in ("points", "tables", "tables_i", "grid")
+    return Subject(name, (folder / name).absolute(), export.model.k, forms, shown)

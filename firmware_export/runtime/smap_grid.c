@@ -77,6 +77,7 @@ SMAP_INLINE int32_t smap_grid_value(smap_bytes_t codes, uint8_t axes, const smap
     value = codes[at] * 128;
     SMAP_UNROLL
     for (level = 0; corner >> level & 1u; level++) {
+      /*@ admit 0 <= value <= 32640 && 0 <= below[level] <= 32640 && 0 <= cell->frac[level] <= 16384; */
       value = below[level] + (((value - below[level]) * cell->frac[level]) >> 14);
     }
     if (level == axes) {
