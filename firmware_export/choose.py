@@ -136,7 +136,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     With a bound that is the first that is accurate enough; else the last that fits.
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
-    # Of the codecs a trained table alone asks how many bytes it may have.
+    # Only a trained table asks how many bytes it may have.
     sizes = codec.sizes(trials.model, trials.channels, ceiling - code_bytes("grid"))
 
     def larger(spec: Any) -> bool:

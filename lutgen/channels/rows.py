@@ -201,7 +201,7 @@ def _near_arcs(
 ) -> int:
     """Find the arcs that can be nearest to a node of a tile; return how many.
 
-    Who moves by an angle comes nearer to an arc by that angle at most.
+    A direction that turns by an angle comes nearer to an arc by at most that angle.
     """
     line, near = scratch.line, scratch.near
     left, right, top = span[0], span[1] - 1, tile.first + tile.size - 1

@@ -12,12 +12,12 @@ from lutgen.parts import Contact
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion
 from lutgen.urdf.links import (
-    TOUCHING,
     Place,
     carried,
     centre_of_mass,
     downwards,
     link_contacts,
+    may_touch,
     places,
 )
 
@@ -57,7 +57,7 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     RecipeError is raised where shapes that are not understood are lower, and for more than 200.
     """
     com = centre_of_mass(robot, where)
-    touching = [link for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)]
+    touching = [link for link in robot.links if may_touch(link)]
     found = [contact for link in touching for contact in link_contacts(link)]
     below = [contact for contact in found if lowest_of(contact, where[contact.link]) < com[2]]
     if below:

@@ -12,7 +12,7 @@ from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.joints import TURN
-from lutgen.urdf.links import TOUCHING, Place, centre_of_mass, downwards, link_contacts
+from lutgen.urdf.links import Place, centre_of_mass, downwards, link_contacts, may_touch
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS
 
@@ -79,10 +79,9 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
         shapes.append(shape)
     corners = np.unique(np.concatenate(parts), axis=0)
     simple = min((lowest_of(one, place) for one in link_contacts(link)), default=math.inf)
-    balls = any(shape.kind in TOUCHING for shape in link.collisions)
     lowest = float((corners @ turn[2] + origin[2]).min(initial=math.inf))
     opened = replace(link, collisions=tuple(shapes))
-    return _Link(opened, corners, min(simple, lowest), simple if balls else math.inf)
+    return _Link(opened, corners, min(simple, lowest), simple if may_touch(link) else math.inf)
 
 
 def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, Place]) -> set[str]:
@@ -195,7 +194,7 @@ def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
 
 def _hang_lower(robot: UrdfRobot, heights: Mapping[str, float], allowed: float) -> bool:
     """Return True if a box is lower than all spheres and cylinders, and hangs from one of these."""
-    round_ = {link.name for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)}
+    round_ = {link.name for link in robot.links if may_touch(link)}
     hang = set(round_)
     for joint in downwards(robot):
         if joint.parent in hang:

@@ -29,7 +29,7 @@ from lutgen.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.joints import Motion, read_motion
-from lutgen.urdf.links import TOUCHING, places, require_mass, used_shapes
+from lutgen.urdf.links import may_touch, places, require_mass, used_shapes
 from lutgen.urdf.meshes import Meshes
 
 
@@ -110,7 +110,7 @@ def import_urdf(
     text = recipe_text(robot, motion, found, warnings, axles)
     left_out = _left_out(robot, motion, found, inner)
     touching = {contact.link for contact in (*found, *inner)}
-    round_ = [k.name for k in robot.links if any(s.kind in TOUCHING for s in k.collisions)]
+    round_ = [link.name for link in robot.links if may_touch(link)]
     if proposes and (away := [name for name in round_ if name not in touching]):
         left_out.append(f"spheres and cylinders away from the ground: {listed(away)}")
     if lower := lower_links(robot, [*found, *inner], rest):

@@ -136,6 +136,11 @@ def as_vector(values: Floats) -> Vector:
 TOUCHING = ("sphere", "cylinder", "capsule", "points")
 
 
+def may_touch(link: UrdfLink) -> bool:
+    """Return True if a link has a shape that is taken for a foot or a wheel."""
+    return any(shape.kind in TOUCHING for shape in link.collisions)
+
+
 def used_shapes(link: UrdfLink) -> list[Collision]:
     """Return the collision shapes that touch the ground: all but boxes, or else the boxes.
 
