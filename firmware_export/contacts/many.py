@@ -208,12 +208,11 @@ def _lowest(model: Model, rho: float) -> float:
     found = measure_recipe(model.recipe, where, down, ("height", "facet"))
     heights = found["height"]
     if model.recipe.axles:
-        nearest = _nearest_axes(model, where, found["facet"].astype(int))
-        heights = np.minimum(heights, nearest)
+        heights = np.minimum(heights, _nearest_axes(model, where, found["facet"].astype(int)))
     heights = heights[found["facet"] >= 0.0]
-    least = float(np.quantile(heights, LOWEST)) * (1.0 - HAIR) if len(heights) else 0.0
-    if model.recipe.com_uncertainty == 0.0:
-        least *= LOW  # what series are off is little: no more need be given up
+    least = float(np.quantile(heights, LOWEST)) if len(heights) else 0.0
+    # What series are off is little: no more need be given up.
+    least *= LOW if model.recipe.com_uncertainty == 0.0 else 1.0 - HAIR
     return max(least, rho * (1.0 + HAIR) + HAIR * robot_size_of(model.recipe))
 
 
