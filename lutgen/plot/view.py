@@ -79,7 +79,7 @@ class View:
         """
         rows, down = np.atleast_2d(rows), np.atleast_2d(np.asarray(directions, np.float64))
         if self.stability_map is not None and is_sealed(self.recipe):
-            count = max(len(rows), len(down))
+            (count,) = np.broadcast_shapes(rows.shape[:1], down.shape[:1])
             rows = np.broadcast_to(rows, (count, rows.shape[1]))
             return self.stability_map.read(rows, np.broadcast_to(down, (count, 3)), channels)
         # Figures of many directions have gravity fixed in the body.
