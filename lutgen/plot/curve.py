@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lutgen.plot import labels
 from lutgen.plot.key import STAR
+from lutgen.plot.plane import halved
 from lutgen.plot.style import colours, halo
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
@@ -90,16 +91,13 @@ def _samples(view: View) -> tuple[Floats, dict[str, Floats], NDArray[np.intp]]:
     known = one[np.isfinite(one)]
     least = max(JUMP * float(np.ptp(known)), 1e-12) if known.size else math.inf
     steep = np.flatnonzero(np.abs(np.diff(one)) > least)
-    a, b, va, vb = values[steep], values[steep + 1], one[steep], one[steep + 1]
-    for _ in range(HALVINGS if len(steep) else 0):
-        middle = 0.5 * (a + b)
-        vm = exact(middle)[view.channel]
-        first = np.abs(vm - va) > np.abs(vb - vm)
-        b, vb = np.where(first, middle, b), np.where(first, vm, vb)
-        a, va = np.where(first, a, middle), np.where(first, va, vm)
-    jumps = np.abs(vb - va) > least
-    values = np.unique(np.concatenate([values, a[jumps], b[jumps]]))
-    return values, exact(values), np.searchsorted(values, b[jumps])
+    pairs = np.array([steep, steep + 1])
+    ends, steps = values[pairs], one[pairs]
+    for _ in range(HALVINGS):
+        ends, steps = halved(lambda middle: exact(middle)[view.channel], ends, steps)
+    ends = ends[:, np.abs(steps[1] - steps[0]) > least]
+    values = np.unique(np.concatenate([values, *ends]))
+    return values, exact(values), np.searchsorted(values, ends[1])
 
 
 def _nodes(axes: Axes, view: View) -> None:

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
@@ -47,17 +46,6 @@ def folded(text: str, longest: int) -> str:
     lines = [textwrap.wrap(line, longest, break_on_hyphens=False) for line in short.split("\n")]
     whole = "\n".join("\n".join(line) for line in lines)
     return re.sub("\0", lambda _: next(formulas), whole)
-
-
-def fit(text: Text, width: float, lengths: Sequence[int]) -> None:
-    """Fold a text of a figure into lines of at most `width` inches, trying `lengths` of letters."""
-    words, figure = text.get_text(), text.get_figure(root=True)
-    canvas: Any = figure.canvas if figure is not None else None
-    for longest in lengths:
-        text.set_text(folded(words, longest))
-        box = text.get_window_extent(canvas.get_renderer())
-        if max(box.width, 0.0) <= width * canvas.figure.dpi:
-            return
 
 
 def plain(name: str) -> str:
