@@ -172,7 +172,7 @@ def callouts(axes: Axes, labels: Sequence[Label], scene: Scene) -> None:
 
 def draw_robot(view: View) -> Figure:
     """Return the figure."""
-    down = view.in_bodies(view.params[None], view.gravity_dir[None])[0, 0]
+    down = view.down(view.params)
     # Its height follows from the robot, so the robot is drawn once beforehand.
     probe = draw_scene(bare(new_figure((1.0, 1.0)).add_subplot()), view.recipe, view.params, down)
     across, up = probe.high - probe.low

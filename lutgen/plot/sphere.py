@@ -128,9 +128,9 @@ def draw_hero(recipe: Recipe, postures: Mapping[str, Sequence[float]], title: st
     words.set_color(colours().soft)
     for n, (name, params) in enumerate(postures.items()):
         view = View(recipe, None, np.asarray(params), DOWN, "tip_angle", convention="plane")
-        down, left = view.in_bodies(view.params[None], DOWN[None])[0, 0], 0.12 + n * STEP
+        left = 0.12 + n * STEP
         axes = bare(place(figure, (left, 1.62, *SCENE)))
-        scene = draw_scene(axes, recipe, params, down, 0.6)
+        scene = draw_scene(axes, recipe, params, view.down(view.params), 0.6)
         scenes.append((axes, scene))
         _disc(place(figure, (left + 0.02, 0.06, PLATE, PLATE)), view)
         x, tip = (left + PLATE + 0.09) / SIZE[0], math.degrees(scene.state.channels["tip_angle"])

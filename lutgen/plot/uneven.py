@@ -59,8 +59,8 @@ def draw_footing(footing: Footing, found: Equilibrium) -> Figure:
     for foot, name in zip(feet, footing.names, strict=True):
         side = np.where(foot >= feet.mean(axis=0), 1.0, -1.0)
         text = axes.annotate(plain(name), tuple(foot), tuple(6.0 * side), **NEAR)
-        text.set(path_effects=halo())
         text.set(ha="left" if side[0] > 0 else "right", va="bottom" if side[1] > 0 else "top")
+        text.set_path_effects(halo())
     return figure
 
 
