@@ -69,8 +69,7 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
         reject("--rate", "is not above 0", plant.rates.tolist(), "leave it out", InputError)
     recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()
-    low = np.array([p.minimum for p in recipe.parameters])
-    high = np.array([p.maximum for p in recipe.parameters])
+    low, high = np.array([(p.minimum, p.maximum) for p in recipe.parameters]).T
     lag, most = plant.lag(cycle), plant.rates * cycle
     count = len(ride.slope)
     params, wanted = (np.empty((count, len(start))) for _ in range(2))

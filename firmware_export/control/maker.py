@@ -145,12 +145,8 @@ def design(model: Model, options: PolicyOptions) -> Design:
     parameters, n = model.recipe.parameters, options.nodes
     # A move of one (rad) of each parameter: of a length, its axis.
     scale = np.where([p.unit == "rad" for p in parameters], 1.0, model.upper - model.lower)
-    home = np.array(
-        [
-            options.home.get(p.name, value)
-            for p, value in zip(parameters, model.recipe.home_params, strict=True)
-        ]
-    )
+    at_home = dict(zip((p.name for p in parameters), model.recipe.home_params, strict=True))
+    home = np.array([*(at_home | dict(options.home)).values()])
     limit = math.tan(options.slope)
     if model.faces == 1:
         limit = min(limit, model.chart_limit)
@@ -163,7 +159,7 @@ def design(model: Model, options: PolicyOptions) -> Design:
 
     def scored(params: Floats, places: Floats) -> Floats:
         uv = (2.0 * places - 1.0) * limit
-        down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
+        down = np.column_stack([uv, -np.ones(len(uv))])
         return scores(*read(model, params, down, options.convention), move2(params))
 
     tip, sdg = measured(model, postures, slopes, options.convention)
@@ -215,13 +211,12 @@ def _loss(
 ) -> Loss:
     """Return what a table loses against the best of some postures on slopes it has not seen."""
     uv = np.random.default_rng(SEED).uniform(-policy.limit, policy.limit, (UNSEEN, 2))
-    slopes = np.concatenate([uv, -np.ones((UNSEEN, 1))], axis=1)
-    slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
+    slopes = np.column_stack([uv, -np.ones(UNSEEN)])
     best = measured(model, postures, slopes, convention)[0].max(axis=1)
     values = policy.values()
     nodes = len(values)
     # As smap_target has them.
-    at = (slopes[:, :2] / -slopes[:, 2:] + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
+    at = (uv + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
     cell = np.clip(at.astype(np.int64), 0, nodes - 2)
     tip, _ = read(model, between(values, cell, at - cell), slopes, convention)
     lost = np.degrees(np.maximum(best - np.maximum(tip, 0.0), 0.0))
