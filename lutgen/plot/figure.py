@@ -5,8 +5,7 @@ Every wrong option is refused in one sentence that names the way out.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -56,9 +55,26 @@ KINDS = {
 CHOOSE = "choose from"
 
 
-@dataclass(frozen=True)
-class Options:
-    """What a figure shows.
+@in_house_style
+def draw(
+    kind: str,
+    source: StabilityMap | Recipe,
+    *,
+    params: Mapping[str, float] | None = None,
+    gravity: ArrayLike = DOWN,
+    channel: str = "tip_angle",
+    axes: Sequence[str] | None = None,
+    convention: str = "body",
+    scale: tuple[float, float] | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw a figure whose title is its answer.
+
+    Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
+    posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt before it
+    tips over in each heading; `robot`: what it stands on, and over which edge it goes first.  A
+    figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are evaluated
+    exactly; only of a robot of code that is not run are they the map's.  `save` writes the figure.
 
     Parameters
     ----------
@@ -81,30 +97,9 @@ class Options:
     ax : matplotlib.axes.Axes, optional
         Draws into these axes, without what stands beside them, and leaves their figure as it is.
     """
-
-    params: Mapping[str, float] | None = None
-    gravity: ArrayLike = DOWN
-    channel: str = "tip_angle"
-    axes: Sequence[str] | None = None
-    convention: str = "body"
-    scale: tuple[float, float] | None = None
-    ax: Axes | None = None
-
-
-@in_house_style
-def draw(kind: str, source: StabilityMap | Recipe, **options: Any) -> Figure:
-    """Draw a figure whose title is its answer; `options` are those of `Options`.
-
-    Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
-    posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt before it
-    tips over in each heading; `robot`: what it stands on, and over which edge it goes first.  A
-    figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are evaluated
-    exactly; only of a robot of code that is not run are they the map's.  `save` writes the figure.
-    """
-    chosen = Options(**options)
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, suggestion(kind, KINDS, CHOOSE))
-    one, channel, scale = KINDS[kind], chosen.channel, chosen.scale
+    one = KINDS[kind]
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in RANKED:
@@ -119,25 +114,24 @@ def draw(kind: str, source: StabilityMap | Recipe, **options: Any) -> Figure:
     if one.of_robot and is_sealed(recipe):
         way_out = "draw it from the recipe, with its code allowed"
         _refuse(f"a {kind} figure needs the robot itself", f"a map of `{recipe.python}`", way_out)
-    down = unit_directions(np.asarray(chosen.gravity, dtype=np.float64))
+    down = unit_directions(np.asarray(gravity, dtype=np.float64))
     if down.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(chosen.gravity), "give x, y, z")
-    convention = chosen.convention
+        _refuse("gravity must be one direction", np.shape(gravity), "give x, y, z")
     if convention not in CONVENTIONS:
         _refuse("unknown convention", convention, suggestion(convention, CONVENTIONS, CHOOSE))
     if convention == "plane" and stability_map is not None:
         _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
     if convention == "plane" and one.turns:
         _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    given = chosen.params or {}
+    given = params or {}
     posture = _posture(recipe, stability_map, given)
-    columns = _columns(kind, recipe, given, chosen.axes)
+    columns = _columns(kind, recipe, given, axes)
     on_chart = stability_map is None or bool(stability_map.chart.locate(down[None, :])[3][0])
     if one.varies == 2 and not on_chart:
         way_out = "choose a direction that the map covers, or draw from the recipe"
         _refuse("gravity is outside the map's chart", ", ".join(f"{x:g}" for x in down), way_out)
     where = (recipe, stability_map, posture, down, channel, columns)
-    return one.paint(View(*where, convention, scale, chosen.ax))
+    return one.paint(View(*where, convention, scale, ax))
 
 
 def _posture(
