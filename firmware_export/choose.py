@@ -13,7 +13,7 @@ from typing import Any
 from firmware_export.certify import certificate
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Certificate, certify, put_to_test
-from firmware_export.emit import code_bytes, flash_bytes
+from firmware_export.emit import family_row, flash_bytes
 from firmware_export.model import Model
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound
@@ -137,7 +137,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
     # Only a trained table asks how many bytes it may have.
-    sizes = codec.sizes(trials.model, trials.channels, ceiling - code_bytes("grid"))
+    sizes = codec.sizes(trials.model, trials.channels, ceiling - family_row("grid", {})["code"])
 
     def larger(spec: Any) -> bool:
         """Return True if sizes beyond this one are of use."""

@@ -2,7 +2,7 @@
 
 import re
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # C99 distinguishes external names by their first 31 characters only.
 LONGEST = 31
@@ -57,10 +57,8 @@ def check_name(name: str) -> str:
     """Return a name that an export may have; refuse any other."""
     fault = _fault(name)
     if fault is not None:
-        raise InputError(
-            f"export name: {name!r} {fault} (got {name!r}); give another, such as "
-            f"--name {default_name(name)}."
-        )
+        way_out = f"give another, such as --name {default_name(name)}"
+        reject("export name", f"{name!r} {fault}", repr(name), way_out, InputError)
     return name
 
 

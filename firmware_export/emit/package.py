@@ -9,7 +9,7 @@ import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from firmware_export.emit.facts import FORMAT, MARKER, report
 from firmware_export.emit.names import check_name
@@ -18,44 +18,38 @@ from firmware_export.emit.runtime import runtime_file
 from firmware_export.emit.trial import try_out
 from firmware_export.protocol import Export, describe, stored
 from lutgen import bounds
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 from lutgen.files import digest as file_digest
 
 SUFFIX = "_report.json"
 # The key of the report under which each other file has its SHA-256.
 DIGESTS = "sha256"
+# What to do about a folder that holds something else.
+BESIDE = "name an empty folder, remove it, or pass --force to write beside it"
+OVER = "name another folder, or pass --force to write over it"
 
 
 def load_report(directory: Path) -> dict[str, Any]:
     """Return the report of an export folder; refuse any other folder, and a damaged report."""
     found = sorted(path for path in directory.glob(f"*{SUFFIX}") if path.is_file())
     if len(found) != 1:
-        raise InputError(
-            f"{directory}: is no folder of `lutgen export` (got {len(found)} files "
-            f"*{SUFFIX}); name the folder that was given to -o."
-        )
+        got, way_out = f"{len(found)} files *{SUFFIX}", "name the folder that was given to -o"
+        reject(directory, "is no folder of `lutgen export`", got, way_out, InputError)
     path = found[0]
+    raw = bounds.read(str(path), bounds.REPORT_BYTES, InputError)
     try:
-        with path.open("rb") as file:
-            raw = file.read(bounds.REPORT_BYTES.most + 1)
-        bounds.check(len(raw), bounds.REPORT_BYTES, str(path), "export again")
         content: dict[str, Any] = json.loads(raw.decode("utf-8"))
         version = content[MARKER]
         known = {"name", "robot", "length_unit", "arithmetic", "channels", "files"} <= set(content)
         names = {str(parameter["name"]) for parameter in content["parameters"]}
         if version == FORMAT and not (known and len(names) == len(content["parameters"])):
             raise ValueError("keys are missing")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{path}: the report is damaged (got {type(error).__name__}: {error}); export again."
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        got = f"{type(error).__name__}: {error}"
+        reject(path, "the report is damaged", got, "export again", InputError)
     if version != FORMAT:
-        raise InputError(
-            f"{path}: is of another format (got {version!r}, this lutgen knows {FORMAT}); "
-            "export again."
-        )
+        got = f"{version!r}, this lutgen knows {FORMAT}"
+        reject(path, "is of another format", got, "export again", InputError)
     return content
 
 
@@ -123,44 +117,33 @@ def check_directory(
     path = Path(directory)
     try:
         if path.is_symlink():
-            raise InputError(
-                f"{path}: is a link (got one to {path.readlink()}); name the folder that it "
-                "leads to."
-            )
+            way_out = "name the folder that it leads to"
+            reject(path, "is a link", f"one to {path.readlink()}", way_out, InputError)
         if not path.exists():
-            if not path.absolute().parent.is_dir():
-                raise InputError(
-                    f"{path}: its folder does not exist (got {path.absolute().parent.name!r}); "
-                    "make it first."
-                )
+            above = path.absolute().parent
+            if not above.is_dir():
+                what = "its folder does not exist"
+                reject(path, what, repr(above.name), "make it first", InputError)
             return path
         if not path.is_dir():
-            raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
+            reject(path, "is no folder", "a file", "name a folder for the export", InputError)
         listed, robots = _listed(path)
         for name in _held(path):
             if (path / name).is_symlink():
-                raise InputError(
-                    f"{path}: holds a link, which is not of an export (got {name!r}); remove it."
-                )
+                what = "holds a link, which is not of an export"
+                reject(path, what, repr(name), "remove it", InputError)
             if not force and name not in listed:
-                raise InputError(
-                    f"{path}: holds a file that is not of an export (got {name!r}); "
-                    "name an empty folder, remove it, or pass --force to write beside it."
-                )
+                what = "holds a file that is not of an export"
+                reject(path, what, repr(name), BESIDE, InputError)
             known = listed.get(name)
             if not force and known and file_digest((path / name).read_bytes()) != known:
-                raise InputError(
-                    f"{path}: holds a file that was edited since it was exported (got {name!r}); "
-                    "name another folder, or pass --force to write over it."
-                )
+                what = "holds a file that was edited since it was exported"
+                reject(path, what, repr(name), OVER, InputError)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        _refuse_to_write(path, error)
     for other in robots:
         if robot not in (None, other) and not force:
-            raise InputError(
-                f"{path}: holds an export of the robot {other!r} (got {robot!r}); "
-                "name another folder, or pass --force to write over it."
-            )
+            reject(path, f"holds an export of the robot {other!r}", repr(robot), OVER, InputError)
     return path
 
 
@@ -197,15 +180,13 @@ def write(
                 shutil.copymode(stage / "examples", stage)
                 stage.rename(path)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        _refuse_to_write(path, error)
     return content
 
 
-def _unwritable(path: Path, error: OSError) -> ExportError:
-    return ExportError(
-        f"{path}: the export cannot be written (got {error.strerror or error}); "
-        "make room, or name a folder that is writable."
-    )
+def _refuse_to_write(path: Path, error: OSError) -> NoReturn:
+    what, way_out = "the export cannot be written", "make room, or name a folder that is writable"
+    reject(path, what, error.strerror or error, way_out, ExportError)
 
 
 def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:

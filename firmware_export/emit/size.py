@@ -44,11 +44,6 @@ def family_row(family: str, macros: Mapping[str, int]) -> dict[str, int]:
     return row
 
 
-def code_bytes(family: str) -> int:
-    """Return the most bytes of code that were measured of a family."""
-    return family_row(family, {})["code"]
-
-
 def _counted_row(export: Export) -> dict[str, Any]:
     """Return the row of counts.json of this very export, empty if it was not counted."""
     same = {

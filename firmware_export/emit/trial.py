@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 
 # Not optimised, which takes half as long.
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", "-I.")
@@ -41,16 +41,14 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 (folder / file).write_bytes(text)
         except OSError as error:
-            raise ExportError(
-                f"{name}: what was written cannot be tried (got {error.strerror or error} in "
-                f"{folder.parent}); make room there, or set TMPDIR to a folder that has."
-            ) from error
+            got = f"{error.strerror or error} in {folder.parent}"
+            way_out = "make room there, or set TMPDIR to a folder that has"
+            reject(name, "what was written cannot be tried", got, way_out, ExportError)
         probe = ["-w", "-fno-builtin", "_probe.c", "-lm", "-o", "_probe"]
         if _run([*words, *probe], folder, name).returncode == 0:
-            raise ExportError(
-                f"{name}: the C library of this machine has a function of this name (got "
-                f"{name!r}); give another, such as --name {name}_map."
-            )
+            what = "the C library of this machine has a function of this name"
+            way_out = f"give another, such as --name {name}_map"
+            reject(name, what, repr(name), way_out, ExportError)
         _demand([*words, *FLAGS, "-c", f"{name}.c", "-o", "map.o"], folder, name)
         for example in (one for one in EXAMPLES if f"examples/{one}.c" in files):
             program = str(folder / f"{example}.run")
@@ -65,10 +63,9 @@ def _demand(arguments: list[str], folder: Path, name: str) -> None:
     if done.returncode:
         lines = done.stderr.splitlines()
         said = next((line for line in lines if "error" in line), next(iter(lines), "nothing"))
-        raise ExportError(
-            f"{name}: what was written does not compile or run (got {said.strip()!r} of "
-            f"{Path(arguments[0]).name}); give another --name, or report this."
-        )
+        what, got = "what was written does not compile or run", Path(arguments[0]).name
+        way_out = "give another --name, or report this"
+        reject(name, what, f"{said.strip()!r} of {got}", way_out, ExportError)
 
 
 def _run(arguments: list[str], folder: Path, name: str) -> subprocess.CompletedProcess[str]:
@@ -77,7 +74,5 @@ def _run(arguments: list[str], folder: Path, name: str) -> subprocess.CompletedP
             arguments, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
         )
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise ExportError(
-            f"{name}: what was written cannot be tried (got {type(error).__name__} of "
-            f"{arguments[0]}); set CC to a C compiler that works."
-        ) from error
+        what, way_out = "what was written cannot be tried", "set CC to a C compiler that works"
+        reject(name, what, f"{type(error).__name__} of {arguments[0]}", way_out, ExportError)

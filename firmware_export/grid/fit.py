@@ -32,7 +32,7 @@ from firmware_export.grid.train import (
 )
 from firmware_export.model import Model, Sample, biased, on_chart, uniform, uniform_directions
 from lutgen.arrays import Floats, Singles
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 from lutgen.support import TIPS
 
 # Points of the sample; directions of a posture, postures that share them.
@@ -156,12 +156,11 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
     stands = some.aim >= STANDS
     lost = float(np.mean(train.read(values, some, lattice)[stands] < STANDS))
     if lost > USELESS:
-        source = lesson.ground.model.recipe.source
-        raise ExportError(
-            f"{source}: a table of {nodes:,} nodes would call {100.0 * lost:.3g} % of what stands "
-            f"unsafe, more than {100.0 * USELESS:.0f} % (got {lesson.ground.model.k} parameters); "
-            "choose the codec contacts, which computes where the contacts are."
-        )
+        model, most = lesson.ground.model, f"more than {100.0 * USELESS:.0f} %"
+        share = f"{100.0 * lost:.3g} % of what stands unsafe, {most}"
+        what = f"a table of {nodes:,} nodes would call {share}"
+        way_out = "choose the codec contacts, which computes where the contacts are"
+        reject(model.recipe.source, what, f"{model.k} parameters", way_out, ExportError)
     return values
 
 

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.protocol import Blob
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 from lutgen.vector import Floats
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
 NAME = "_host.abi3.so"
 WAY_OUT = (
-    "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
+    "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)"
 )
 
 
@@ -34,21 +34,19 @@ def load_library() -> ctypes.CDLL:
     if not path.is_file():
         raise ExportError(
             f"{RUNTIME}: the C runtime was not built for this machine (got no file {NAME}"
-            f"), so no export can be certified or read; {WAY_OUT}"
+            f"), so no export can be certified or read; {WAY_OUT}."
         )
     try:
         loaded = ctypes.CDLL(str(path))
     except OSError as error:
-        raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
+        reject(path, "cannot be loaded", error, WAY_OUT, ExportError)
     loaded.smap_points_host_sources.restype = ctypes.c_char_p
     built = loaded.smap_points_host_sources().decode("ascii")
     # As setup.py computes it.
     files = sorted(RUNTIME.glob("*.[ch]"))
     if built != hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest():
-        raise ExportError(
-            f"{path}: was built from other files than those beside it (got the digest "
-            f"{built[:12]}); {WAY_OUT}"
-        )
+        what = "was built from other files than those beside it"
+        reject(path, what, f"the digest {built[:12]}", WAY_OUT, ExportError)
     return loaded
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from firmware_export.model import Cells, Model
 from firmware_export.protocol.policy import Policy
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -33,10 +33,8 @@ class CArray:
         found = np.asarray(self.values)
         stored = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
         if not (np.isfinite(found).all() and (self.ctype == "float" or (stored == found).all())):
-            raise InputError(
-                f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
-                "quantise them first."
-            )
+            what, way_out = f"its values do not fit {self.ctype}", "quantise them first"
+            reject(f"table {self.name}", what, found.dtype, way_out, InputError)
         object.__setattr__(self, "values", stored)
 
     @property

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_export.emit import code_bytes, package
+from firmware_export.emit import family_row, package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.render import texts
@@ -206,7 +206,7 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(folders, exports
         text = runtime_text(family_of(body.codec, export.integer))
         assert '#include "' not in text.replace("#define SMAP_STEERED_BY", "")
         assert text.count("---- core:") == 1
-        assert code_bytes(family_of(body.codec, export.integer)) > 1000
+        assert family_row(family_of(body.codec, export.integer), {})["code"] > 1000
     assert "smap_run_step" in control_text("points")
 
 
