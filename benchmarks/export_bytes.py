@@ -20,6 +20,7 @@ from firmware_export.model.sample import Sample, biased, join, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
+from targets.marks import markdown
 
 RECIPE = Path(__file__).parents[1] / "maps" / "paper_two.toml"
 CHANNELS = ("sdg", "tip_angle", "height")
@@ -84,12 +85,12 @@ def cell_error(results: list[Result], size: int) -> str:
 def table(results: dict[str, list[Result]]) -> str:
     """Return the markdown table."""
     heads = [f"bytes at {percent:g} %" for percent in ERRORS] + [name for _, name in SIZES]
-    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    lines = []
     for name, found in results.items():
         cells = [cell_bytes(found, percent) for percent in ERRORS]
         cells += [cell_error(found, size) for size, _ in SIZES]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append([name, *cells])
+    return markdown(f"| | {' | '.join(heads)} |", lines)
 
 
 def main() -> str:

@@ -10,8 +10,10 @@ import os
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,8 +23,6 @@ from proofs import eva, exhaustive, fuzz, structure
 from proofs.fuzz import HARNESSES, Length
 from proofs.subjects import SUBJECTS, made
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result
-
-__all__ = ["main"]
 
 BUILD = Path("build")
 PARTS = ("structure", "eva", "exhaustive", "fuzz")
@@ -74,11 +74,13 @@ def _row(prove: Callable[..., Result], *given: Any) -> list[Result]:
 
 
 def _done(job: Job) -> list[Result]:
-    """Run a job; an error of ours is a failed row."""
+    """Run a job; its rows tell the seconds that it took, and an error of ours is a failed row."""
+    begin = time.perf_counter()
     try:
-        return job()
+        rows = job()
     except LutgenError as error:
-        return [Result("proofs", "run", FAILED, str(error))]
+        rows = [Result("proofs", "run", FAILED, str(error))]
+    return [replace(row, seconds=time.perf_counter() - begin) for row in rows]
 
 
 def _said(results: list[Result]) -> str:

@@ -26,7 +26,8 @@ from targets.boards import BOARDS
 from targets.cases import ROOT, TABLES, of_recipe, trained
 from targets.elf import section_bytes, undefined
 from targets.image import build, compiled, flags_of, version
-from targets.pages import PAGE, between, markdown
+from targets.marks import between, markdown
+from targets.pages import PAGE
 from tests.fixtures.exports import coded_export, tripod_export
 
 # What exports read instead of compiling.
