@@ -16,6 +16,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
+from firmware_export.emit.size import identity
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from lutgen.errors import LutgenError
@@ -80,17 +81,6 @@ def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:
         (most,) = execute(row.reads(reads), board, option).counts["read"]
         cell["longest"] = max(most, cell["read"][1])
     return cell
-
-
-def identity(export: Export) -> dict[str, Any]:
-    """Return what tells an export: reports show its counts for the very same one."""
-    return {
-        "recipe_sha256": export.recipe.digest,
-        "spec": str(export.tables.spec.label),
-        "arithmetic": export.arithmetic,
-        "channels": list(export.channels),
-        "tables": int(export.tables.bytes),
-    }
 
 
 def chosen(text: str | None, names: Sequence[str]) -> list[str]:
