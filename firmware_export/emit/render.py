@@ -92,8 +92,7 @@ def _environment() -> Environment:
 def _context(content: dict[str, Any]) -> dict[str, Any]:
     """Return the report, and what the templates make of it."""
     numbers = [int(part) for part in __version__.split("+")[0].split(".") if part.isdigit()]
-    policy, pose = content["policy"] or {}, content["pose"]
-    cycle = float(policy.get("cycle_s", 0.02))
+    pose, policy = content["pose"], content["policy"]
     integer, stem = content["arithmetic"] == "integer", macro(content["name"])
     sizes, unit = content["bytes"], content["length_unit"]
     pose_bytes = 4 * pose["integer" if integer else "both"] + 4
@@ -138,11 +137,7 @@ def _context(content: dict[str, Any]) -> dict[str, Any]:
             )
             for channel, step in content["steps"].items()
         ],
-        "joints": ", ".join(f'"{p["name"]}"' for p in content["parameters"]),
-        "home": ", ".join(literal(value) for value in policy.get("home", ())),
-        "cycle": literal(cycle),
-        "period": repr(cycle),
-        "milliseconds": max(1, math.floor(1000.0 * cycle + 0.5)),
+        "milliseconds": max(1, math.floor(1000.0 * policy["cycle_s"] + 0.5)) if policy else None,
     }
 
 
