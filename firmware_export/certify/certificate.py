@@ -14,8 +14,13 @@ from typing import Any
 import numpy as np
 
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
-from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
-from firmware_export.certify.jumps import largest_jump
+from firmware_export.certify.attack import (
+    climb,
+    largest_jump,
+    sdg_error,
+    starts,
+    worst_false_safe,
+)
 from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError

@@ -1,7 +1,7 @@
 """An export written as C, with its report.
 
-In reading order: `names`, `text`, `runtime`, `size`, `facts`, `render`, `trial`, `package`; the
-texts are in `templates/`.
+In reading order: `names`, `runtime`, `size`, `facts`, `render`, `package`; the texts are in
+`templates/`.
 """
 
 from firmware_export.emit.facts import bytes_text, errors_of, share

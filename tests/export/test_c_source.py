@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from firmware_export.emit import family_row, package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.names import LONGEST, check_name, default_name
-from firmware_export.emit.render import texts
+from firmware_export.emit.render import WIDTH, block_comment, plain_text, texts
 from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
-from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError

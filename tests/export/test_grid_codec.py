@@ -12,7 +12,7 @@ from firmware_export.certify.certificate import put_to_test
 from firmware_export.exporter import ExportOptions, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
-from firmware_export.grid.points import bounds, reach_of
+from firmware_export.grid.lookup import bounds, reach_of
 from firmware_export.host import Host, in_units
 from firmware_export.model import Model, biased, least_edge_of, uniform
 from firmware_export.protocol import describe
