@@ -16,7 +16,8 @@ import numpy as np
 from firmware_export.control.maker import lattice, measured
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
-from proofs.control import G0, GALLERY, Steered, robot
+from proofs.control import G0
+from proofs.steered import GALLERY, Steered, robot
 
 # deg: slopes are no steeper; s: how long the ground takes from one to another.
 STEEPEST, PERIODS = 42.0, (8.0, 40.0)

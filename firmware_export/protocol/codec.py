@@ -108,11 +108,6 @@ class Tables(ABC):
     guard_text: str
     tested = False
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables of numbers."""
-        return self.body(False).bytes
-
     @abstractmethod
     def body(self, integer: bool) -> CBody:
         """Return the codec's part of the blob, read with floats or without."""

@@ -13,17 +13,8 @@ from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
-from proofs.control import (
-    G0,
-    GALLERY,
-    Steered,
-    bits,
-    budgets,
-    damaged,
-    fixed_slopes,
-    robot,
-    transits,
-)
+from proofs.control import G0, bits, budgets, damaged, fixed_slopes, transits
+from proofs.steered import GALLERY, Steered, robot
 from tests.fixtures.length import part
 
 LEVEL = np.array([[0.0, 0.0, G0]])

@@ -196,7 +196,7 @@ def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(tmp_path, m
 
     def pessimist(export, *given):
         found = examine(export, *given)
-        seen.append(export.tables.bytes)
+        seen.append(export.body.bytes)
         sdg = found.channels["sdg"]
         worse = sdg | {"max_percent": 1.6 * sdg["max_percent"]}
         return replace(found, channels=found.channels | {"sdg": worse})
