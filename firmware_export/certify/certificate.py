@@ -23,7 +23,7 @@ from firmware_export.certify.attack import (
 )
 from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 from lutgen.vector import Floats
 
 # Points of a certificate, half of them uniform and half where tables err most; starts of each half
@@ -97,11 +97,10 @@ class Certificate:
                 f", for one at parameters {np.round(params, 7).tolist()} and gravity "
                 f"{np.round(gravity, 7).tolist()}: {said:.3g} rad for {true:.3g}"
             )
-        raise ExportError(
-            f"{label}: the certificate found the robot called safe where it tips (got "
-            f"{self.false_safe} points{where}); nothing was written: this is a fault of the "
-            "codec's guard, choose another with --codec and report it."
-        )
+        fault = "nothing was written: this is a fault of the codec's guard"
+        way_out = f"{fault}, choose another with --codec and report it"
+        what = "the certificate found the robot called safe where it tips"
+        reject(label, what, f"{self.false_safe} points{where}", way_out, ExportError)
 
 
 def bounded(channels: Iterable[str]) -> tuple[str, ...]:

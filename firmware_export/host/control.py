@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.host.reader import call, stem_of
 from firmware_export.protocol import Blob
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 # smap_cycle_t.
@@ -33,10 +33,8 @@ class Controller:
 
     def __init__(self, blob: Blob, policy: bytes, robots: int = 1) -> None:
         if blob.integer:
-            raise InputError(
-                "on-board control needs a map that is read with floats (got one without); export "
-                "with --arithmetic float."
-            )
+            what, way_out = "needs a map that is read with floats", "export with --arithmetic float"
+            reject("on-board control", what, "one without", way_out, InputError)
         self.joints, self.robots = blob.params, robots
         # The C keeps their addresses.
         self._flash = [np.frombuffer(one, np.uint8) for one in (blob.bytes, policy)]
