@@ -163,9 +163,8 @@ class Tables(AnyTables):
         """
         if self.many is None:
             return None
-        text, sine = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}", math.sin(guard)
-        numbers = (*self.many.numbers[:-1], sine)
-        many = self.many._replace(guard=sine, text=text, numbers=numbers)
+        text = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}"
+        many = self.many._replace(guard=math.sin(guard), text=text)
         return replace(self, many=many, guard=guard, guard_text=text)
 
     def cells(self, model: Model) -> Cells:
@@ -225,9 +224,8 @@ def off_of(model: Model, spec: Spec, terms: Series) -> float:
     """Return how far (length) series are off in C, at most; refuse more than was requested."""
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
-    three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
     many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
-    blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
+    blank = Tables(spec, terms, None, many, LIMITS, 1.0, 0.0, "")
     off = most_off(model, _host(model, blank), order, terms.knots)
     if off > MOST_OFF * error:
         raise InputError(
