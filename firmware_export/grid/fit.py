@@ -152,7 +152,7 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
     train.lower(values, points, lattice, False, BELOW)
     values = np.rint(values).astype(np.float32)
     train.lower(values, points, lattice, True, BELOW)
-    some = points.some(JUDGED)
+    some = Points(points.x[:JUDGED], points.block[:JUDGED], points.aim[:JUDGED])
     stands = some.aim >= STANDS
     lost = float(np.mean(train.read(values, some, lattice)[stands] < STANDS))
     if lost > USELESS:

@@ -31,15 +31,11 @@ WAY_OUT = (
 def load_library() -> ctypes.CDLL:
     """Return the library; ExportError is raised if it was not built, or from other files."""
     path = RUNTIME / NAME
-    if not path.is_file():
-        raise ExportError(
-            f"{RUNTIME}: the C runtime was not built for this machine (got no file {NAME}"
-            f"), so no export can be certified or read; {WAY_OUT}."
-        )
     try:
         loaded = ctypes.CDLL(str(path))
     except OSError as error:
-        reject(path, "cannot be loaded", error, WAY_OUT, ExportError)
+        what = "the C runtime, which certifies and reads exports, cannot be loaded"
+        reject(path, what, error, WAY_OUT, ExportError)
     loaded.smap_points_host_sources.restype = ctypes.c_char_p
     built = loaded.smap_points_host_sources().decode("ascii")
     # As setup.py computes it.
@@ -64,13 +60,8 @@ def call(name: str, *given: Any) -> int:
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
 PIECE = 4096
 # smap_reading_t and smap_reading_i_t.
-READING = np.dtype(
-    {
-        "names": ["sdg", "tip_angle", "height", "over"],
-        "formats": ["<f4", "<f4", "<f4", ("u1", 2)],
-        "itemsize": 16,
-    }
-)
+SINGLES = [(name, "<f4") for name in ("sdg", "tip_angle", "height")]
+READING = np.dtype([*SINGLES, ("over", "u1", 2)], align=True)
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
 # Status codes with which the robot is said not to tip: it stands, or rocks between rests.
 STANDS = (0, 1)

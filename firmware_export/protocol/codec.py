@@ -31,7 +31,8 @@ class CArray:
 
     def __post_init__(self) -> None:
         found = np.asarray(self.values)
-        stored = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        kind = np.dtype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        stored = found.astype(kind.newbyteorder("<"))
         if not (np.isfinite(found).all() and (self.ctype == "float" or (stored == found).all())):
             what, way_out = f"its values do not fit {self.ctype}", "quantise them first"
             reject(f"table {self.name}", what, found.dtype, way_out, InputError)
@@ -40,8 +41,7 @@ class CArray:
     @property
     def packed(self) -> bytes:
         """The values as they stand in flash, little-endian."""
-        stored = np.asarray(self.values)
-        return stored.astype(stored.dtype.newbyteorder("<")).tobytes()
+        return np.asarray(self.values).tobytes()
 
     @property
     def bytes(self) -> int:
