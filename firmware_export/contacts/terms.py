@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_export.contacts.closed import Sum, closed_form, factors_of
+from firmware_export.contacts.closed import Sum, closed_form
 from firmware_export.model import sensor_tolerance
 from firmware_export.protocol import CArray
 from lutgen.errors import InputError
@@ -109,7 +109,8 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
         for one, scale in zip([*vectors, *axes], scales, strict=True)
     ]
     sums = [Sum({m: v for m, v in one.items() if v.any()}) for one in kept]
-    factors = factors_of(sums)
+    found = {factor for one in sums for monomial in one.terms for factor in monomial}
+    factors = sorted(found, key=lambda one: (one[0] == "t", one[1], one[2], one[0]))
     angles = list(dict.fromkeys((p, rate) for kind, p, rate in factors if kind != "t"))
     travels = [p for kind, p, _ in factors if kind == "t"]
     names = [(kind, p, rate) for p, rate in angles for kind in "sc"]

@@ -4,7 +4,7 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -77,14 +77,10 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         undefined=StrictUndefined,
     )
-    filters = (block_comment, columns, defines, facts.bytes_text, facts.chart_text, facts.escaped)
-    made.filters |= {one.__name__: one for one in (*filters, facts.number, facts.share)}
-    made.filters |= {
-        "json": json.dumps,
-        "literal": literal,
-        "middle": _middle,
-        "posture": _posture,
-    }
+    filters: list[Callable[..., Any]] = [block_comment, columns, defines, json.dumps, literal]
+    filters += [middle, posture, facts.bytes_text, facts.chart_text, facts.escaped]
+    filters += [facts.number, facts.share]
+    made.filters |= {one.__name__: one for one in filters}
     made.globals |= {"FALSE_TIP": facts.FALSE_TIP, "COST": COST}
     made.globals |= {"licence": LICENCE, "statuses": STATUSES}
     return made
@@ -142,14 +138,14 @@ def _context(content: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _middle(parameter: dict[str, Any]) -> float:
+def middle(parameter: dict[str, Any]) -> float:
     """Return the middle of an axis."""
     return float(0.5 * (parameter["min"] + parameter["max"]))
 
 
-def _posture(parameter: dict[str, Any]) -> str:
+def posture(parameter: dict[str, Any]) -> str:
     """Return the middle of an axis as people write it."""
-    value, unit = _middle(parameter), parameter["display_unit"]
+    value, unit = middle(parameter), parameter["display_unit"]
     shown = math.degrees(value) if unit == "deg" else value
     unit = "" if unit == "1" else f" {unit}"
     return plain_text(f"{parameter['name']:<13}{shown:.6g}{unit}".strip())
