@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from firmware_export.emit.render import columns
 from lutgen.errors import LutgenError
 from proofs import eva, exhaustive, fuzz, structure
 from proofs.fuzz import HARNESSES, Length
@@ -83,18 +84,6 @@ def _done(job: Job) -> list[Result]:
     return [replace(row, seconds=time.perf_counter() - begin) for row in rows]
 
 
-def _said(results: list[Result]) -> str:
-    """Return the table."""
-    rows = [["proof", "subject", "result", "s", "what"]]
-    rows += [[r.proof, r.subject, r.state, f"{r.seconds:.1f}", r.text] for r in results]
-    widths = [max(len(row[i]) for row in rows) for i in range(4)]
-    lines = []
-    for *cells, text in rows:
-        padded = [cell.ljust(width) for cell, width in zip(cells, widths, strict=True)]
-        lines.append("  ".join([*padded, text]))
-    return "\n".join(lines)
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run everything and print it; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m proofs.run", description=__doc__)
@@ -115,7 +104,9 @@ def main(arguments: list[str] | None = None) -> int:
         jobs = _jobs(there, options, Path(name).absolute())
         with ThreadPoolExecutor(JOBS) as pool:
             results += [row for done in pool.map(_done, jobs) for row in done]
-    print(_said(results))
+    rows = [["proof", "subject", "result", "s", "what"]]
+    rows += [[r.proof, r.subject, r.state, f"{r.seconds:.1f}", r.text] for r in results]
+    print("\n".join(columns(rows, margin="")))
     bad = (FAILED, SKIPPED) if os.environ.get("CI") else (FAILED,)
     return int(any(result.state in bad for result in results))
 

@@ -1,6 +1,6 @@
 """The reference of an export: exact answers, and where they are taken.
 
-In reading order: `model`, `crossing`, `sample`, `rest`.
+In reading order: `exact`, `crossing`, `sample`, `rest`.
 """
 
 from firmware_export.model.crossing import cross_boundary, unit
