@@ -16,7 +16,7 @@ from firmware_export.certify.answers import device
 from firmware_export.choose import Goal, Trials, choose
 from firmware_export.codecs import usable
 from firmware_export.model.exact import Model
-from firmware_export.model.sample import Sample, biased, join, uniform
+from firmware_export.model.sample import Sample, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
@@ -97,7 +97,8 @@ def main() -> str:
     """Measure everything; return the table."""
     begin = time.perf_counter()
     model = Model(load_recipe(RECIPE))
-    sample = join([part(model, POINTS // 2, SEED) for part in (uniform, biased)])
+    both = (part(model, POINTS // 2, SEED) for part in (uniform, biased))
+    sample = Sample(*map(np.concatenate, zip(*both, strict=True)))
     points = points_of(sample, model)
     results = ours(model, sample, float(np.ptp(points.sdg)))
     for rival in RIVALS:

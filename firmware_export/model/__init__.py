@@ -10,7 +10,6 @@ from firmware_export.model.sample import (
     Cells,
     Sample,
     biased,
-    join,
     on_chart,
     uniform,
     uniform_directions,
