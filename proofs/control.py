@@ -14,8 +14,9 @@ import numpy as np
 
 from firmware_export.host import BLIND, ESCAPES
 from lutgen.errors import InputError
+from lutgen.recipe import gallery_names
 from lutgen.vector import Floats
-from proofs.steered import GALLERY, Steered, robot
+from proofs.steered import Steered, robot
 
 G0 = 9.80665
 # Cycles on a fixed slope: joints that move alone, by small steps, take thousands.
@@ -249,7 +250,7 @@ def attacked(name: str, part: float) -> tuple[str, int]:
 
 def main(arguments: Sequence[str]) -> int:
     """Attack and print the table; return 1 where a fault was found."""
-    names = sorted(path.stem for path in GALLERY.glob("*.toml"))
+    names = gallery_names()
     scale = float(arguments[0]) if arguments else 1.0
     print("\n".join([HEAD, "|---" * (HEAD.count("|") - 1) + "|"]), flush=True)
     every = 0

@@ -16,9 +16,6 @@ from firmware_export.protocol import Blob, Policy, describe
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
-from targets.marks import ROOT
-
-GALLERY = ROOT / "maps"
 
 
 class Parts(Controller):
@@ -89,7 +86,7 @@ class Steered:
 
 def robot(name: str, codec: str = "contacts", **options: Any) -> Steered:
     """Return a robot of the gallery, its export not certified, with a policy."""
-    model = Model(load_recipe(GALLERY / f"{name}.toml"))
+    model = Model(load_recipe(f"recipe:{name}"))
     info = usable(model, "float", codec)[0]
     export, found = steered(info.export(model, name, ("tip_angle",)), PolicyOptions(**options))
     return Steered(model, describe(export), found.policy)

@@ -35,8 +35,7 @@ def _typed(export: Export, t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbe
     model = export.model
     if export.integer:
         return _whole(t, gravity)
-    span = model.upper - model.lower
-    return (model.lower + t * span).astype(np.float32), gravity.astype(np.float32)
+    return model.at(t).astype(np.float32), gravity.astype(np.float32)
 
 
 def _whole(t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbers]:
