@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from firmware_export.host import BLIND, ESCAPES
 from lutgen.errors import InputError
 from lutgen.recipe import gallery_names
 from lutgen.vector import Floats
-from proofs.steered import Steered, robot
+from proofs.steered import BLIND, ESCAPES, Steered, robot
 
 G0 = 9.80665
 # Cycles on a fixed slope: joints that move alone, by small steps, take thousands.

@@ -17,6 +17,9 @@ from lutgen.channels import body_gravity, evaluate_each
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
 
+# Two of smap_move_t.
+ESCAPES, BLIND = 3, 4
+
 
 class Parts(Controller):
     """A controller of which targets, ways and budgets are asked by themselves."""

@@ -18,8 +18,6 @@ CYCLE = np.dtype(
         *(("alarm", "u1"), ("move", "u1"), ("poses", "u1"), ("spare", "u1")),
     ]
 )
-# Two of smap_move_t.
-ESCAPES, BLIND = 3, 4
 
 
 class Controller:

@@ -123,20 +123,6 @@ class Host:
         columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
         return status, np.stack(columns, axis=1)
 
-    def at(
-        self, params: ArrayLike, gravity: ArrayLike, integer: bool = False
-    ) -> tuple[int, NDArray[np.int8], NDArray[Any]]:
-        """Make one pose of params (k,) and run smap_at, or smap_at_i, on gravity (m, 3).
-
-        Returns the status of smap_pose, and status (m,) and reading (m,) of each direction.
-        """
-        row = np.ascontiguousarray(params, np.float32)
-        downs = np.ascontiguousarray(gravity, np.int16 if integer else np.float32)
-        status = np.empty(len(downs), np.int8)
-        reading = np.empty(len(downs), READING_I if integer else READING)
-        made = self._call("at_i" if integer else "at", len(downs), row, downs, status, reading)
-        return made, status, reading
-
     def room(self, params: ArrayLike) -> NDArray[np.uint8]:
         """Return the most of each that poses of postures (m, k) have; see smap_host_region.h."""
         rows = np.ascontiguousarray(params, np.float32)

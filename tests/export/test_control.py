@@ -8,13 +8,13 @@ import pytest
 
 from firmware_export.contacts import INFO as contacts
 from firmware_export.control import maker
-from firmware_export.host import BLIND, Controller
+from firmware_export.host import Controller
 from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
 from proofs.control import G0, bits, budgets, damaged, fixed_slopes, transits
-from proofs.steered import Steered, robot
+from proofs.steered import BLIND, Steered, robot
 from tests.fixtures.length import part
 
 LEVEL = np.array([[0.0, 0.0, G0]])
