@@ -13,14 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from firmware_export.certify import attack
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
-from firmware_export.certify.attack import (
-    climb,
-    largest_jump,
-    sdg_error,
-    starts,
-    worst_false_safe,
-)
 from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError, reject
@@ -151,13 +145,13 @@ def certify(
     with ThreadPoolExecutor(1) as pool:
         near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
-        height = largest_jump(model)
+        height = attack.largest_jump(model)
         seen = [even, reader.measure(near.result())]
-        attacked = pool.submit(worst_false_safe, reader, seen, count, rounds, seed)
+        attacked = pool.submit(attack.worst_false_safe, reader, seen, count, rounds, seed)
         if "sdg" in channels:
-            begin = starts(seen, (sdg_error,), count)
-            worst = climb(reader, begin, sdg_error, rounds, seed)
-        attack = attacked.result()
+            begin = attack.starts(seen, (attack.sdg_error,), count)
+            worst = attack.climb(reader, begin, attack.sdg_error, rounds, seed)
+        nearest = attacked.result()
     table = {}
     for name in channels:
         every, span = statistics(seen, name), span_of(seen, name)
@@ -165,7 +159,7 @@ def certify(
             every["max"] = max(every["max"], float(worst.value.max(initial=0.0)))
         jumps = height > 0.0 and name != "tip_angle"
         table[name] = _entry(every, statistics([even], name), span, jumps)
-    searches = [search for search in (worst, attack) if search is not None]
+    searches = [search for search in (worst, nearest) if search is not None]
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
     has_sdg, text = "sdg" in channels, tuple[str, ...]()
     beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if has_sdg else None
@@ -180,7 +174,7 @@ def certify(
         false_tip=even.false_tip,
         jumps=height > 0.0,
         beyond=beyond,
-        nearest=-float(attack.value.max(initial=-np.inf)),
+        nearest=-float(nearest.value.max(initial=-np.inf)),
         searched=sum(search.points for search in searches),
         seed=seed,
         text=text,
