@@ -102,7 +102,7 @@ def measure_postures(
     """Return the channels (m, d) of m postures under d directions.
 
     `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m, 7) those
-    of `wrench.wrenches`, or None for the weight alone, which is faster; the unit directions
+    of `evaluation.wrenches`, or None for the weight alone, which is faster; the unit directions
     (m, d, 3) or (1, d, 3) point down; `limits` are of `support.acceptance`, and `groups` (n,) those
     of `shares.least_share`.  Directions (m, d, 3) of the `convention` "plane" are turned into the
     body in place, if they are a writeable C-contiguous array.

@@ -10,11 +10,10 @@ from functools import partial
 import numpy as np
 
 from lutgen.arrays import Floats, Singles
-from lutgen.channels.evaluation import measure_recipe
+from lutgen.channels.evaluation import acceptance_of, measure_recipe, primitives_of
 from lutgen.channels.exact import TIP, Setting, wanted_channels
 from lutgen.channels.measuring import Memory, own_memory
 from lutgen.channels.rows import PAD, TALL, Nodes, Rows, Scratch, draw, fill_tip_angles, nodes_of
-from lutgen.channels.wrench import acceptance_of, primitives_of
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
@@ -69,21 +68,10 @@ def scan_part(
 def scan(
     primitives: Floats, setting: Setting, nodes: Nodes, lines: tuple[int, int], out: Singles
 ) -> None:
-    """Fill the channels of a block of postures over a range of rows.
+    """Fill the channels of postures (m, n, 8) over rows [first, last) of the faces * nodes of each.
 
-    Parameters
-    ----------
-    primitives : (m, n, 8) float64
-        Primitives of every posture, relative to the com, rows of `primitive.pack`.
-    setting : Setting
-        Limits of facets, and the channels to fill, of `BY_ROWS`.
-    nodes : Nodes
-        The directions.
-    lines : tuple of int
-        First row and the one after the last, of the faces * nodes rows of a posture.
-    out : (channels, at least m * rows * nodes) float32
-        Filled from the left where wanted; |SD_g| always.  C-contiguous: of a strided array the
-        compiler makes loops three times as slow.
+    `out` (channels, at least m * rows * nodes) is filled from the left where `BY_ROWS` are wanted;
+    |SD_g| always.  C-contiguous: of a strided array the compiler makes loops three times as slow.
     """
     rows, memory = len(primitives) * (lines[1] - lines[0]), partial(scratch_for, nodes)
     in_threads(scan_part, rows, memory, primitives, setting, nodes, lines, out)

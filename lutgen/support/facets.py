@@ -148,18 +148,10 @@ def _pair_up(region: Region, e: int) -> bool:
 
 @njit(bare=True)
 def find_facets(primitives: Floats, region: Region, size: float, steepest: float) -> None:
-    """Find the support facets of one posture.
+    """Fill the facets and edges of one posture from primitives (n, 8), none covered by another.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com, none covered by another.
-    region : Region
-        Its facets and edges are filled.
-    size : float
-        Size of the robot (length).
-    steepest : float
-        Facets count if -n_z is greater than this; of others only those are found that lead there.
+    `size` (length) is that of the robot.  Facets count if -n_z is greater than `steepest`; of
+    others only those are found that lead there.
     """
     facet, edge, count = region.facet, region.edge, region.counts
     count[FACETS] = count[EDGES] = 0

@@ -256,11 +256,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
     """Find the held part of every edge between two rests, and add the gaps to the region.
 
     Rests of one group are one at any `rock_angle`; if it is infinite, all of an edge is held.
-
-    Returns
-    -------
-    int
-        How many gaps have an area in which the robot rocks.
+    Returns how many gaps have an area in which the robot rocks.
     """
     edge, seat = region.edge, region.seat
     free = accept.rock_angle == math.inf
@@ -279,17 +275,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
 
 @njit(bare=True)
 def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
-    """Find where one posture stands.
-
-    Parameters
-    ----------
-    region : Region
-        Overwritten; as `empty_region` makes it for so many primitives.
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com.
-    accept : Acceptance
-        Limits of facets and rests, and how far the robot rocks.
-    """
+    """Overwrite a region with that of one posture: rows (n, 8) of `primitive.pack`."""
     contacts = contact_count(primitives)
     places, axles = primitives[:contacts], primitives[contacts:]
     size = robot_size(places)

@@ -251,23 +251,9 @@ def _nearest(primitives: Floats, mask: int, normal: Vector, point: Vector) -> in
 def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float) -> int:
     """Write the edges of facet f anew if it touches an axle that swings.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        The contacts, none covered by another.
-    axles : (2 a, 8) float64
-        See the head of `primitive`.
-    region : Region
-        With the facet, whose bits are all contacts near its plane.
-    f : int
-        The facet.
-    same : float
-        A length that counts as none.
-
-    Returns
-    -------
-    int
-        1 if it is done, 0 if the facet touches no axle, and -1 if the robot has no rest there.
+    Its bits are all contacts near its plane; `axles` (2 a, 8) are as the head of `primitive` says,
+    and `same` is a length that counts as none.  Returns 1 if it is done, 0 if the facet touches no
+    axle, and -1 if the robot has no rest there.
     """
     facet, edge = region.facet[f], region.edge
     normal, mask = read3(facet.normal), int(facet.mask)
