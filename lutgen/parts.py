@@ -5,7 +5,7 @@ of how they are written down (`recipe`, `urdf`) or of how a robot moves.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
@@ -20,6 +20,12 @@ ROUNDING = 1e-9
 # Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
 # of their cache must cover this file, and does by the name of `lutgen.jit`.
 KINDS = ("point", "sphere", "disc")
+
+
+def three(values: Iterable[float]) -> Vector:
+    """Return three numbers as a vector."""
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 def to_internal(values: Any, unit: str) -> Any:

@@ -22,6 +22,7 @@ from lutgen.parts import (
     Link,
     Parameter,
     Wheel,
+    three,
     to_internal,
 )
 from lutgen.recipe import schema
@@ -122,12 +123,6 @@ def recipe_digest(text: str, urdf: str | None = None) -> str:
 
 
 Part = TypeVar("Part")
-
-
-def three(vector: Sequence[float]) -> Vector:
-    """Return the three numbers of a list."""
-    x, y, z = vector
-    return x, y, z
 
 
 def unit(vector: Sequence[float]) -> Vector:
