@@ -40,7 +40,7 @@ def sweep_run(
     accept = acceptance(*(angles or (None, None)))
     setting, rows = Setting(accept, wanted_channels(channels)), chart.faces * chart.nodes
     out = np.full((len(CHANNELS), len(primitives) * rows * chart.nodes), np.nan, np.float32)
-    return partial(scan, primitives, setting, nodes_of(chart), (0, rows), out), out
+    return partial(scan, primitives, setting, nodes_of(chart), out), out
 
 
 def sweeps(folder: Path, nodes: int = NODES) -> Iterator[Row]:

@@ -38,11 +38,8 @@ class Computer:
     def compute(self, block: Block) -> list[NDArray[Any]]:
         """Return the values (nodes,) of each channel; the next block overwrites them."""
         posture = self._scanner.rows
-        begin, end = block.first // posture, -(-block.last // posture)
-        part = block.first - begin * posture
-        last = part + block.last - block.first if end - begin == 1 else posture
-        params = self._recipe.grid.params(np.arange(begin, end))
-        self._scanner.fill(params, part, last, self._out)
+        some = np.arange(block.first // posture, block.last // posture)
+        self._scanner.fill(self._recipe.grid.params(some), self._out)
         nodes = (block.last - block.first) * self._recipe.chart.nodes
         return [
             self._out[CHANNELS.index(name), :nodes].astype(QUANTITIES[name].stored_type, copy=False)
@@ -103,5 +100,5 @@ def _any_stands(recipe: Recipe, postures: NDArray[np.intp], chart: Chart) -> boo
     """Return True if the robot stands in any of some postures, by number, in any direction."""
     scanner = Scanner(recipe, chart, ("sdg",))
     out = np.full((len(CHANNELS), len(postures) * scanner.rows * chart.nodes), np.nan, np.float32)
-    scanner.fill(recipe.grid.params(postures), 0, scanner.rows, out)
+    scanner.fill(recipe.grid.params(postures), out)
     return bool(np.isfinite(out[CHANNELS.index("sdg")]).any())

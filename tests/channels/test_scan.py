@@ -59,8 +59,7 @@ def rows(primitives, chart, limits, channels=FAST):
     setting = Setting(acceptance(*limits), wanted_channels(channels))
     for begin, end in pairwise(part * lines // 3 for part in range(4)):
         memory = scratch_for(nodes_of(chart))
-        place = (0, per_posture)
-        scan_part((begin, end), memory, primitives, setting, nodes_of(chart), place, out)
+        scan_part((begin, end), memory, primitives, setting, nodes_of(chart), out)
     return {name: out[CHANNELS.index(name)].reshape(m, -1) for name in channels}
 
 
@@ -199,7 +198,7 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
     directions = recipe.chart.directions().reshape(-1, 3)
     for some in np.array_split(params, 1 + len(params) // 500):
         out = np.empty((len(CHANNELS), len(some) * len(directions)), np.float32)
-        scanner.fill(some, 0, scanner.rows, out)
+        scanner.fill(some, out)
         angle = lutgen.evaluate(recipe, some, directions, channels=("tip_angle",))["tip_angle"]
         np.testing.assert_array_equal(out[TIP].reshape(angle.shape) < 0.0, angle < 0.0)
 
