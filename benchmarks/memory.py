@@ -19,7 +19,7 @@ from lutgen.channels.scan import scan
 from lutgen.chart import Chart, unit_directions
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import FACETS, Acceptance, Region, acceptance, empty_region, stand
+from lutgen.support import Acceptance, Region, acceptance, empty_region, stand
 from lutgen.vector import Floats
 
 # 64 MiB of float32 for each channel, more than the caches hold.
@@ -98,7 +98,7 @@ def find_all(region: Region, primitives: Floats, accept: Acceptance) -> int:
     found = 0
     for m in range(primitives.shape[0]):
         stand(region, primitives[m], accept)
-        found += region.counts[FACETS]
+        found += region.counts.facets
     return found
 
 

@@ -13,7 +13,7 @@ from lutgen import channels as kernels
 from lutgen.analysis.forces import heuristic_forces, loads_on
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.quantities import CHANNELS
-from lutgen.support import ARCS, seat_under
+from lutgen.support import seat_under
 from lutgen.vector import Floats, Vector, dot, read3
 
 # Shares of the weight nearer than this are one, as far as the balance is kept.
@@ -134,7 +134,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
     region, convex = posture.region, posture.convex
     sign = 1.0 if standing else -1.0
     found = []
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         start, stop, wall = (read3(region.arc[b][name]) for name in ("start", "stop", "wall"))
         margin = kernels.axis_margin(start, stop, wall, convex, g)
         if convex:
@@ -152,7 +152,7 @@ def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, l
     region, wrench = posture.region, posture.wrench
     axes, found = kernels.empty_axes(), []
     kernels.find_axes(region, wrench, axes)
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         angle = kernels.axis_angle(region, axes, b, wrench, standing, g)
         margin = kernels.loaded_margin(region, axes, b, wrench, standing, g)
         found.append((angle, margin, math.nan))

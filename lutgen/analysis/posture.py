@@ -121,7 +121,7 @@ class Posture:
     @property
     def seats(self) -> NDArray[np.void]:
         """The kernels' rows of the accepted facets, in canonical order."""
-        return np.asarray(self.region.seat[: self.region.counts[support.ACCEPTED]])
+        return np.asarray(self.region.seat[: self.region.counts.accepted])
 
     @cached_property
     def facets(self) -> tuple[Facet, ...]:
@@ -131,12 +131,12 @@ class Posture:
     @property
     def axes(self) -> NDArray[np.void]:
         """The tip-over axes: `start` and `stop` (3,), relative to the com, start x stop inward."""
-        return np.asarray(self.region.arc[: self.region.counts[support.ARCS]])
+        return np.asarray(self.region.arc[: self.region.counts.arcs])
 
     @property
     def convex(self) -> bool:
         """True if the standing region is."""
-        return bool(self.region.counts[support.CONVEX])
+        return bool(self.region.counts.convex)
 
     def under(self, direction: Floats) -> Facet | None:
         """Return the facet that gravity along a direction (3,) pierces, or None."""

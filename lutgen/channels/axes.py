@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
-from lutgen.support import ARCS, EDGES, REGION, Region, ends_of, record, rests_at
+from lutgen.support import REGION, Region, ends_of, record, rests_at
 from lutgen.vector import along, dot, length, read3, scale, subtract, unit, write3
 
 # First columns of a wrench: phi, mu, rho.
@@ -111,10 +111,10 @@ def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench:
 @njit(bare=True)
 def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
     """Fill `axes` from the region and the wrench (7,) of one posture."""
-    for e in range(region.counts[EDGES]):
+    for e in range(region.counts.edges):
         write3(axes.edge[e].normal, read3(region.edge[e].wall))
         _enter(axes.edge, e, ends_of(region, e), wrench)
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         arc = region.arc[b]
         write3(axes.arc[b].normal, read3(arc.wall))
         _enter(axes.arc, b, (read3(arc.start), read3(arc.stop)), wrench)

@@ -27,7 +27,7 @@ from lutgen.channels.exact import (
 from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import ACCEPTED, ARCS, CONVEX, ROCKS, STANDS, TIPS, Region, cone_of, seat_under
+from lutgen.support import ROCKS, STANDS, TIPS, Region, cone_of, seat_under
 from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit
 
 
@@ -43,14 +43,14 @@ def _seat_under_moment(region: Region, force: Vector, mu: Vector) -> tuple[int, 
     if square < 1e-24:
         return best, TIPS
     through = scale(cross(force, mu), 1.0 / square)
-    for k in range(region.counts[ACCEPTED]):
+    for k in range(region.counts.accepted):
         plane = read3(region.seat[k].plane)
         rate = dot(plane, force)
         if rate > 0.0:
             reach = (1.0 - dot(plane, through)) / rate
             if reach < nearest - 1e-12 * abs(nearest) or best < 0:
                 best, nearest = k, reach
-    for turn in range(region.counts[ACCEPTED] + 1):
+    for turn in range(region.counts.accepted + 1):
         k = best if turn == 0 else turn - 1
         if k >= 0 and region.seat[k].is_rest and lowest_lever(region, k, force, mu) >= 0.0:
             return k, STANDS
@@ -157,7 +157,7 @@ def counts_whole(region: Region, wrench: Floats) -> bool:
     That is under a moment, and under a force with an uncertain com.
     """
     pulled = length(part(wrench, PHI)) > 0.0 and wrench[RHO] > 0.0
-    return region.counts[CONVEX] == 1 or pulled or length(part(wrench, MU)) > 0.0
+    return region.counts.convex == 1 or pulled or length(part(wrench, MU)) > 0.0
 
 
 @njit(bare=True)
@@ -198,7 +198,7 @@ def loaded_margin(
     direction = scale(force, 1.0 / size)
     side, normal = read3(axis.along), read3(axis.normal)
     across = length(cross(side, direction))
-    convex = region.counts[CONVEX] == 1
+    convex = region.counts.convex == 1
     if convex and across > 1e-12:
         lever = axis.distance * (dot(normal, force) + axis.moment)
         return float((lever - rho * length(cross(side, g))) / (across * size))
@@ -220,10 +220,10 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     angles counts.
     """
     count = region.counts
-    if count[ACCEPTED] == 0:
+    if count.accepted == 0:
         return -1, TIPS, -math.pi
     force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
-    convex = count[CONVEX] == 1
+    convex = count.convex == 1
     if length(mu) > 0.0:
         k, status = _seat_under_moment(region, force, mu)
     else:
@@ -233,11 +233,11 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
             k, status = region.cone[cone].seat, region.cone[cone].status
     standing, whole = status != TIPS, counts_whole(region, wrench)
     angle = math.pi if standing or whole else -math.pi
-    for b in range(count[ARCS]):
+    for b in range(count.arcs):
         here = axis_angle(region, axes, b, wrench, standing, g)
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
-        for f in range(count[ACCEPTED]):
+        for f in range(count.accepted):
             if not region.seat[f].is_rest:
                 continue
             here, facet = math.pi, region.facet[region.seat[f].facet]
@@ -275,9 +275,9 @@ def measure_loaded(
         out[HEIGHT], out[FACET] = seat.height, k
     if not wanted[MARGIN]:
         return
-    outward = not standing and region.counts[CONVEX] == 0
-    margin = -math.inf if outward or region.counts[ACCEPTED] == 0 else math.inf
-    for b in range(region.counts[ARCS]):
+    outward = not standing and region.counts.convex == 0
+    margin = -math.inf if outward or region.counts.accepted == 0 else math.inf
+    for b in range(region.counts.arcs):
         away = loaded_margin(region, axes, b, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[MARGIN] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)

@@ -11,7 +11,7 @@ import numpy as np
 
 from lutgen.arrays import Floats, Ints, Vector
 from lutgen.jit import njit
-from lutgen.support import SHOWN, STANDS, TIPS, Region, plane_axes, support_contact
+from lutgen.support import STANDS, TIPS, Region, plane_axes, support_contact
 from lutgen.vector import add, cross, dot, read3, row, scale, subtract
 
 # Newton's steps: a handful are taken.
@@ -120,7 +120,7 @@ def least_share(region: Region, k: int, status: int, pierced: Vector, groups: In
     seat, shown = region.seat[k], region.shown
     normal = read3(seat.normal)
     one, two = plane_axes(normal)
-    arm, bits = np.empty((region.counts[SHOWN], 2)), np.empty(region.counts[SHOWN], np.int64)
+    arm, bits = np.empty((region.counts.shown, 2)), np.empty(region.counts.shown, np.int64)
     count, mask, swings = 0, seat.mask, region.facet[seat.facet].swings == 1
     split = (0.0, 0.0, 0.0)
     axle = region.axle[seat.facet]
@@ -136,7 +136,7 @@ def least_share(region: Region, k: int, status: int, pierced: Vector, groups: In
         away = subtract(foot, pierced)
         arm[0, 0], arm[0, 1] = dot(one, away), dot(two, away)
         count = 1
-    for i in range(region.counts[SHOWN]):
+    for i in range(region.counts.shown):
         if mask >> i & 1:
             away = subtract(support_contact(shown, i, normal), pierced)
             arm[count, 0], arm[count, 1] = dot(one, away), dot(two, away)

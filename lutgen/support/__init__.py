@@ -23,16 +23,9 @@ from lutgen.support.primitive import (
 from lutgen.support.region import ON_AXIS, cone_of, seat_under
 from lutgen.support.rolling import arc_between, roll_over, turned
 from lutgen.support.table import (
-    ACCEPTED,
-    ARCS,
-    CONES,
-    CONVEX,
-    EDGES,
-    FACETS,
     MAX_PRIMITIVES,
     REGION,
     ROCKS,
-    SHOWN,
     STANDS,
     TIPS,
     Acceptance,
