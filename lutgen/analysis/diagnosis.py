@@ -83,11 +83,11 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
     angles = [axis.tip_angle if posture.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
-    resultant = down[0] + wrench[kernels.PHI : kernels.MU]
+    resultant = down[0] + wrench["phi"]
     facet, pierced, slope = None, np.full(3, np.nan), math.nan
     if k >= 0:
         facet = posture.facets[k]
-        pierced = facet.pierced(resultant, wrench[kernels.MU : kernels.RHO])
+        pierced = facet.pierced(resultant, wrench["mu"])
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}

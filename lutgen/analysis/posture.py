@@ -7,6 +7,7 @@ once take a recipe and (m, k) rows of geometry parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,9 +109,9 @@ class Posture:
         return support.pack(self.placed.centres[0], self.placed.axes[0], radii, kinds)
 
     @cached_property
-    def wrench(self) -> Floats:
-        """Forces and moment over the weight, and the com's uncertainty (7,)."""
-        return np.asarray(wrenches(self.recipe, self.placed)[0])
+    def wrench(self) -> Any:
+        """Forces `phi` and moment `mu` over the weight, and the com's uncertainty `rho`."""
+        return wrenches(self.recipe, self.placed)[0]
 
     @cached_property
     def region(self) -> support.Region:

@@ -4,7 +4,7 @@ In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `measuring`,
 `evaluation`, `rows`, `scan`.
 """
 
-from lutgen.channels.axes import MU, PHI, RHO, empty_axes, find_axes, part
+from lutgen.channels.axes import empty_axes, find_axes
 from lutgen.channels.evaluation import (
     acceptance_of,
     body_gravity,

@@ -1,19 +1,16 @@
 """Stability of postures under directions of gravity, exactly: nothing is sampled or interpolated.
 
 `evaluate` crosses every posture with every direction; for `evaluate_each` each posture has its own.
-
-A wrench is one row of seven numbers: phi (3), the sum of the forces over the weight; mu (3), their
-moment about the com over the weight, a length; and the radius rho of the ball in which the com
-lies.  Body frame.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.arrays import Floats
-from lutgen.channels.axes import MU, PHI, RHO
+from lutgen.channels.axes import WRENCH
 from lutgen.channels.exact import checked_directions
 from lutgen.channels.measuring import measure_postures
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
@@ -51,21 +48,21 @@ def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     return np.concatenate(parts, axis=1)
 
 
-def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
-    """Return the wrenches (m, 7) of postures of a recipe.
+def wrenches(recipe: Recipe, postures: Postures) -> NDArray[Any]:
+    """Return the wrenches (m,), rows of WRENCH, of postures of a recipe, body frame.
 
     phi = sum f / W and mu = (sum (p - com) x f + moment) / W, W = mass x 9.80665 m/s^2; the recipe
     has forces in N, masses in kg, and moments in N times the length unit.
     """
-    result = np.zeros((len(postures.com), 7))
-    result[:, RHO] = recipe.com_uncertainty
+    result = np.zeros(len(postures.com), WRENCH)
+    result["rho"] = recipe.com_uncertainty
     if recipe.has_wrench:
         weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
         force = np.array([one.force for one in recipe.forces]) / weight
         moment = np.array([one.moment for one in recipe.forces]) / weight
         turning = np.cross(postures.force_points, force) + moment
-        result[:, PHI:MU] = force.sum(axis=0)
-        result[:, MU:RHO] = turning.sum(axis=1)
+        result["phi"] = force.sum(axis=0)
+        result["mu"] = turning.sum(axis=1)
     return result
 
 

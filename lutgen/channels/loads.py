@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.arrays import Bools, Floats, Ints, Vector
-from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
+from lutgen.channels.axes import ALWAYS, NEVER, Axes, Wrench, lowest_lever
 from lutgen.channels.exact import (
     FACET,
     HEIGHT,
@@ -151,18 +151,18 @@ def reduced_arc(region: Region, axes: Axes, b: int, rho: float, g: Vector) -> fl
 
 
 @njit(inline=True, bare=True)
-def counts_whole(region: Region, wrench: Floats) -> bool:
+def counts_whole(region: Region, wrench: Wrench) -> bool:
     """Return True if axes count as whole lines: of convex regions, and where only a bound is known.
 
     That is under a moment, and under a force with an uncertain com.
     """
-    pulled = length(part(wrench, PHI)) > 0.0 and wrench[RHO] > 0.0
-    return region.counts.convex == 1 or pulled or length(part(wrench, MU)) > 0.0
+    pulled = length(read3(wrench.phi)) > 0.0 and wrench.rho > 0.0
+    return region.counts.convex == 1 or pulled or length(read3(wrench.mu)) > 0.0
 
 
 @njit(bare=True)
 def axis_angle(
-    region: Region, axes: Axes, b: int, wrench: Floats, standing: bool, g: Vector
+    region: Region, axes: Axes, b: int, wrench: Wrench, standing: bool, g: Vector
 ) -> float:
     """Return the signed angle (rad) from g to one arc of the boundary under a wrench.
 
@@ -170,7 +170,7 @@ def axis_angle(
     """
     if counts_whole(region, wrench):
         return whole_axis_angle(axes.arc, b, g)
-    rho, phi = wrench[RHO], part(wrench, PHI)
+    rho, phi = wrench.rho, read3(wrench.phi)
     if rho == 0.0:
         away = loaded_arc(region, axes, b, phi, g)
         return away if standing else -away
@@ -181,7 +181,7 @@ def axis_angle(
 
 @njit(bare=True)
 def loaded_margin(
-    region: Region, axes: Axes, b: int, wrench: Floats, standing: bool, g: Vector
+    region: Region, axes: Axes, b: int, wrench: Wrench, standing: bool, g: Vector
 ) -> float:
     """Return the signed distance from the resultant's line to one axis, less what rho takes.
 
@@ -190,8 +190,8 @@ def loaded_margin(
     delta away moves the weight alone, so it takes rho |e x g| / |e x F|, at most rho / |F|.
     """
     axis, arc = axes.arc[b], region.arc[b]
-    rho, mu = wrench[RHO], part(wrench, MU)
-    force = add(g, part(wrench, PHI))
+    rho, mu = wrench.rho, read3(wrench.mu)
+    force = add(g, read3(wrench.phi))
     size = length(force)
     if size < 1e-12:
         return -math.inf
@@ -209,7 +209,7 @@ def loaded_margin(
 
 
 @njit(bare=True)
-def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tuple[int, int, float]:
+def loaded_verdict(region: Region, axes: Axes, wrench: Wrench, g: Vector) -> tuple[int, int, float]:
     """Return the seat that carries, the status (stands, rocks, tips), and the tip angle.
 
     The angle is in rad, and not negative where the robot does not tip.  With an uncertain com the
@@ -222,7 +222,7 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     count = region.counts
     if count.accepted == 0:
         return -1, TIPS, -math.pi
-    force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
+    force, mu = add(g, read3(wrench.phi)), read3(wrench.mu)
     convex = count.convex == 1
     if length(mu) > 0.0:
         k, status = _seat_under_moment(region, force, mu)
@@ -256,7 +256,7 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
 
 @njit(bare=True)
 def measure_loaded(
-    region: Region, axes: Axes, wrench: Floats, g: Vector, wanted: Bools, out: Floats
+    region: Region, axes: Axes, wrench: Wrench, g: Vector, wanted: Bools, out: Floats
 ) -> None:
     """Fill `out` with the channels of one direction, see `exact.measure`.
 
@@ -269,7 +269,7 @@ def measure_loaded(
     out[TIP], out[FACET], out[STATUS] = angle, -1.0, status
     if standing:
         seat = region.seat[k]
-        force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
+        force, mu = add(g, read3(wrench.phi)), read3(wrench.mu)
         pierced = zero_moment_point(read3(seat.plane), force, mu)
         out[SDG] = length(subtract(pierced, read3(seat.centroid)))
         out[HEIGHT], out[FACET] = seat.height, k

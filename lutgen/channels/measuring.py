@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Ints
-from lutgen.channels.axes import MU, PHI, Axes, empty_axes, find_axes, part
+from lutgen.channels.axes import Axes, Wrench, empty_axes, find_axes
 from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure, wanted_channels
 from lutgen.channels.loads import measure_loaded, share_of
 from lutgen.channels.resting import CONVENTIONS, settled
@@ -17,7 +17,7 @@ from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
 from lutgen.quantities import CHANNELS
 from lutgen.support import Acceptance, Region, empty_region, stand
-from lutgen.vector import add, row, write3
+from lutgen.vector import add, read3, row, write3
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024
@@ -49,7 +49,7 @@ def measure_some(
     span: tuple[int, int],
     memory: Memory,
     primitives: Floats,
-    wrench: Floats | None,
+    wrench: NDArray[Wrench] | None,
     gravity_dir: Floats,
     setting: Setting,
     out: Floats,
@@ -70,7 +70,7 @@ def measure_some(
             stand(region, primitives[posture], accept)
             if wrench is not None:
                 find_axes(region, wrench[posture], axes)
-                phi, mu = part(wrench[posture], PHI), part(wrench[posture], MU)
+                phi, mu = read3(wrench[posture].phi), read3(wrench[posture].mu)
         directions = gravity_dir[posture % gravity_dir.shape[0]]
         for d in range(first, min(first + STRETCH, count)):
             g = row(directions, d)
@@ -95,13 +95,13 @@ def measure_postures(
     gravity_dir: Floats,
     channels: Sequence[str],
     limits: Acceptance,
-    wrench: Floats | None = None,
+    wrench: NDArray[Wrench] | None = None,
     groups: Ints = NO_GROUPS,
     convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels (m, d) of m postures under d directions.
 
-    `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m, 7) those
+    `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m,) those
     of `evaluation.wrenches`, or None for the weight alone, which is faster; the unit directions
     (m, d, 3) or (1, d, 3) point down; `limits` are of `support.acceptance`, and `groups` (n,) those
     of `shares.least_share`.  Directions (m, d, 3) of the `convention` "plane" are turned into the
