@@ -80,11 +80,6 @@ class Chart:
             result[face, 2, FACE_V[face]] = 1.0
         return result
 
-    def inverse_length(self) -> NDArray[np.float64]:
-        """Return 1 / sqrt(1 + u^2 + v^2) at the nodes of a face, (nodes, nodes) by v and u."""
-        v, u = np.meshgrid(self.coords, self.coords, indexing="ij")
-        return np.asarray(1.0 / np.sqrt(1.0 + u * u + v * v))
-
     def solid_angle(self) -> NDArray[np.float64]:
         """Return the solid angle (faces, nodes, nodes) of each node's cell, sr; 1 for a lone node.
 

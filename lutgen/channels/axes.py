@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from lutgen.arrays import Vector
 from lutgen.jit import njit
 from lutgen.support import REGION, Region, ends_of, record, rests_at
-from lutgen.vector import along, dot, length, read3, scale, subtract, unit, write3
+from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit, write3
 
 # Forces and their moment about the com, over the weight, and the radius of the com's ball.
 WRENCH = record("phi mu", "rho", "")
@@ -131,3 +131,12 @@ def lowest_lever(region: Region, k: int, force: Vector, mu: Vector) -> float:
             lever = max(lever, 0.0)
         lowest = min(lowest, lever)
     return lowest
+
+
+@njit()
+def zero_moment_point(plane: Vector, force: Vector, mu: Vector) -> Vector:
+    """Return D - com = (h F + n x mu) / (n . F) on a facet's plane, `plane` = n / h.
+
+    F = g + phi.  About D the moment of weight and forces has no part in the plane.
+    """
+    return scale(add(force, cross(plane, mu)), 1.0 / dot(plane, force))

@@ -78,13 +78,6 @@ def acceptance_of(recipe: Recipe) -> Acceptance:
     )
 
 
-def groups_of(recipe: Recipe) -> NDArray[np.int64]:
-    """Return the groups (n,) of a recipe as bits of its contacts' rows."""
-    bits = {name: 1 << row for row, name in enumerate(recipe.contact_names)}
-    groups = (sum(bits[name] for name in {*group.contacts}) for group in recipe.groups)
-    return np.array([*groups], np.int64)
-
-
 def refuse_forces(recipe: Recipe, what: str) -> None:
     """Raise InputError for a recipe with forces where `what` knows the weight alone."""
     if recipe.has_wrench:
@@ -103,13 +96,16 @@ def measure_recipe(
     convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Measure postures that `kinematics.forward` has placed; directions as `measure_postures`."""
+    # Groups are bits of their contacts' rows.
+    bits = {name: 1 << row for row, name in enumerate(recipe.contact_names)}
+    groups = [sum(bits[name] for name in {*group.contacts}) for group in recipe.groups]
     return measure_postures(
         primitives_of(recipe, postures),
         gravity_dir,
         channels,
         acceptance_of(recipe),
         wrenches(recipe, postures) if recipe.loaded else None,
-        groups_of(recipe),
+        np.array(groups, np.int64),
         convention,
     )
 

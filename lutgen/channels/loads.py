@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.arrays import Bools, Floats, Ints, Vector
-from lutgen.channels.axes import ALWAYS, NEVER, Axes, Wrench, lowest_lever
+from lutgen.arrays import Bools, Floats, Vector
+from lutgen.channels.axes import ALWAYS, NEVER, Axes, Wrench, lowest_lever, zero_moment_point
 from lutgen.channels.exact import (
     FACET,
     HEIGHT,
@@ -24,7 +24,6 @@ from lutgen.channels.exact import (
     arcsine,
     axis_margin,
 )
-from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
 from lutgen.support import ROCKS, STANDS, TIPS, Region, cone_of, seat_under
@@ -55,25 +54,6 @@ def _seat_under_moment(region: Region, force: Vector, mu: Vector) -> tuple[int, 
         if k >= 0 and region.seat[k].is_rest and lowest_lever(region, k, force, mu) >= 0.0:
             return k, STANDS
     return best, TIPS
-
-
-@njit()
-def zero_moment_point(plane: Vector, force: Vector, mu: Vector) -> Vector:
-    """Return D - com = (h F + n x mu) / (n . F) on a facet's plane, `plane` = n / h.
-
-    F = g + phi.  About D the moment of weight and forces has no part in the plane.
-    """
-    return scale(add(force, cross(plane, mu)), 1.0 / dot(plane, force))
-
-
-@njit()
-def share_of(region: Region, values: Floats, force: Vector, mu: Vector, groups: Ints) -> float:
-    """Return the least share of a group, of a direction whose facet and status are in `values`."""
-    k, status = int(values[FACET]), int(values[STATUS])
-    if k < 0:
-        return math.nan
-    pierced = zero_moment_point(read3(region.seat[k].plane), force, mu)
-    return least_share(region, k, status, pierced, groups)
 
 
 @njit(bare=True)

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from lutgen.arrays import Floats, Ints
 from lutgen.channels.axes import Axes, Wrench, empty_axes, find_axes
 from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure, wanted_channels
-from lutgen.channels.loads import measure_loaded, share_of
+from lutgen.channels.loads import measure_loaded
 from lutgen.channels.resting import CONVENTIONS, settled
+from lutgen.channels.shares import least_share
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
@@ -82,7 +83,7 @@ def measure_some(
             else:
                 measure_loaded(region, axes, wrench[posture], g, wanted, values)
             if wanted[SHARE]:
-                values[SHARE] = share_of(region, values, add(g, phi), mu, groups)
+                values[SHARE] = least_share(region, values, add(g, phi), mu, groups)
             place = 0
             for c in range(len(CHANNELS)):
                 if wanted[c]:

@@ -72,7 +72,8 @@ class Scratch(NamedTuple):
 def nodes_of(chart: Chart) -> Nodes:
     """Return the nodes of a chart."""
     coords = np.concatenate([chart.coords, np.full(PAD, chart.coords[-1])])
-    return Nodes(chart.basis(), coords, chart.inverse_length())
+    v, u = np.meshgrid(chart.coords, chart.coords, indexing="ij")
+    return Nodes(chart.basis(), coords, 1.0 / np.sqrt(1.0 + u * u + v * v))
 
 
 @njit(inline=True, bare=True)

@@ -10,6 +10,8 @@ import math
 import numpy as np
 
 from lutgen.arrays import Floats, Ints, Vector
+from lutgen.channels.axes import zero_moment_point
+from lutgen.channels.exact import FACET, STATUS
 from lutgen.jit import njit
 from lutgen.support import STANDS, TIPS, Region, plane_axes, support_contact
 from lutgen.vector import add, cross, dot, read3, row, scale, subtract
@@ -109,14 +111,17 @@ def axle_foot(
 
 
 @njit()
-def least_share(region: Region, k: int, status: int, pierced: Vector, groups: Ints) -> float:
-    """Return the least share of the weight that a group carries on seat k, D_g being `pierced`.
+def least_share(region: Region, values: Floats, force: Vector, mu: Vector, groups: Ints) -> float:
+    """Return the least share of the weight that a group carries under a force and a moment.
 
-    `groups` (n,) are bits of rows of the recipe's contacts; of none each contact that touches the
-    facet counts by itself.  NaN where the robot tips, and 0 where it rocks, over two contacts.
+    The facet and the status of the direction are in `values`.  `groups` (n,) are bits of rows of
+    the recipe's contacts; of none each contact that touches the facet counts by itself.  NaN where
+    the robot tips, and 0 where it rocks, over two contacts.
     """
-    if status != STANDS:
-        return math.nan if status == TIPS else 0.0
+    k, status = int(values[FACET]), int(values[STATUS])
+    if k < 0 or status != STANDS:
+        return math.nan if k < 0 or status == TIPS else 0.0
+    pierced = zero_moment_point(read3(region.seat[k].plane), force, mu)
     seat, shown = region.seat[k], region.shown
     normal = read3(seat.normal)
     one, two = plane_axes(normal)

@@ -20,6 +20,8 @@ from lutgen.recipe.model import Recipe
 from lutgen.vector import rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
+# Share of a parameter's limits by which a value may be beyond them.
+ROUNDING = 1e-9
 
 
 class Postures(NamedTuple):
@@ -131,7 +133,19 @@ def within_limits(
     values = _checked(recipe, params)
     ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
     for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
-        parameter.require(column, recipe.source, low, high)
+        # Angles in deg round when they become rad.
+        rounding = ROUNDING * max(high - low, abs(low), abs(high))
+        inside = (low - rounding <= column) & (column <= high + rounding)
+        if not inside.all():
+            row, shown = int(inside.argmin()), parameter.shown
+            got = f"{shown(column[row]):.6g}"
+            if parameter.display_unit == "deg":
+                got += f" deg = {column[row]:.6g} rad"
+            raise InputError(
+                f"{recipe.source}: parameter {parameter.name} must lie in {shown(low):g} to "
+                f"{shown(high):g} {parameter.display_unit} (got {got}"
+                f"{f' in row {row}' if len(column) > 1 else ''}); the limits are in that file."
+            )
     return values
 
 
