@@ -13,12 +13,12 @@ from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes
 from benchmarks.references import Loop, by_numpy, fill, planes, tip_over_axes
 from benchmarks.rows import Row, interleave
 from lutgen.channels.evaluation import stability
-from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.exact import Setting
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import scan
 from lutgen.chart import Chart, unit_directions
 from lutgen.jit import njit
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import Acceptance, Region, acceptance, empty_region, stand
 from lutgen.vector import Floats
 
@@ -38,7 +38,7 @@ def sweep_run(
 ) -> tuple[Callable[[], None], NDArray[np.float32]]:
     """Return a sweep over postures (m, n, 8) into one array, and that array."""
     accept = acceptance(*(angles or (None, None)))
-    setting, rows = Setting(accept, wanted_channels(channels)), chart.faces * chart.nodes
+    setting, rows = Setting(accept, np.array(wanted(channels))), chart.faces * chart.nodes
     out = np.full((len(CHANNELS), len(primitives) * rows * chart.nodes), np.nan, np.float32)
     return partial(scan, primitives, setting, nodes_of(chart), out), out
 

@@ -25,7 +25,6 @@ from lutgen.channels.exact import (
     checked_directions,
     measure,
     segment_energy,
-    wanted_channels,
 )
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
 from lutgen.channels.measuring import Memory, own_memory, region_of

@@ -9,7 +9,6 @@ goes on over an edge of the rest on which it lands.  One roll, one landing.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from lutgen.arrays import Bools, Floats, Vector
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.quantities import CHANNELS, wanted
+from lutgen.quantities import CHANNELS
 from lutgen.support import (
     TIPS,
     Acceptance,
@@ -305,8 +304,3 @@ def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:
             "give one row x, y, z per direction"
         )
     return np.ascontiguousarray(unit_directions(directions))
-
-
-def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
-    """Return the mask over `CHANNELS`; refuse an unknown name."""
-    return np.array(wanted(channels))

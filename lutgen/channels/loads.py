@@ -57,27 +57,22 @@ def _seat_under_moment(region: Region, force: Vector, mu: Vector) -> tuple[int, 
 
 
 @njit(bare=True)
-def turned_sine(axes: NDArray[np.void], b: int, g: Vector) -> float:
-    """Return the least m' . g over all planes through an axis turned by up to beta either way.
+def whole_axis_angle(axes: NDArray[np.void], b: int, g: Vector) -> float:
+    """Return the signed angle (rad) from g to a whole axis, for any com in the ball.
 
+    It is the least m' . g over all planes through the axis turned by up to beta either way:
     m' = m cos(t) - a sin(t) for |t| <= beta, a the direction from the com towards the axis.
     """
     axis = axes[b]
-    u, w = dot(read3(axis.normal), g), dot(read3(axis.towards), g)
-    if u < 0.0 and abs(w) * axis.cosine <= -u * axis.sine:
-        return -math.sqrt(u * u + w * w)
-    return float(axis.cosine * u - axis.sine * abs(w))
-
-
-@njit(bare=True)
-def whole_axis_angle(axes: NDArray[np.void], b: int, g: Vector) -> float:
-    """Return the signed angle (rad) from g to a whole axis, for any com in the ball."""
-    bound = axes[b].bound
-    if bound >= NEVER:
+    if axis.bound >= NEVER:
         return math.pi
-    if bound <= ALWAYS:
+    if axis.bound <= ALWAYS:
         return -math.pi
-    return arcsine(turned_sine(axes, b, g)) + math.asin(bound)
+    u, w = dot(read3(axis.normal), g), dot(read3(axis.towards), g)
+    sine = axis.cosine * u - axis.sine * abs(w)
+    if u < 0.0 and abs(w) * axis.cosine <= -u * axis.sine:
+        sine = -math.sqrt(u * u + w * w)
+    return arcsine(sine) + math.asin(axis.bound)
 
 
 @njit(bare=True)

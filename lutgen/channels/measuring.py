@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Ints
 from lutgen.channels.axes import Axes, Wrench, empty_axes, find_axes
-from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure, wanted_channels
+from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure
 from lutgen.channels.loads import measure_loaded
 from lutgen.channels.resting import CONVENTIONS, settled
 from lutgen.channels.shares import least_share
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import Acceptance, Region, empty_region, stand
 from lutgen.vector import add, read3, row, write3
 
@@ -110,7 +110,7 @@ def measure_postures(
     """
     if convention not in CONVENTIONS:
         raise InputError(f"unknown convention {convention!r}; choose from {', '.join(CONVENTIONS)}")
-    setting = Setting(limits, wanted_channels(channels), groups, convention == "plane")
+    setting = Setting(limits, np.array(wanted(channels)), groups, convention == "plane")
     # No row that is not wanted: memory that is touched first takes longer than what fills it.
     out = np.empty((setting.wanted.sum(), len(primitives), gravity_dir.shape[1]))
     stretches = -(-gravity_dir.shape[1] // STRETCH)

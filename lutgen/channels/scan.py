@@ -11,12 +11,12 @@ import numpy as np
 
 from lutgen.arrays import Floats, Singles
 from lutgen.channels.evaluation import acceptance_of, measure_recipe, primitives_of
-from lutgen.channels.exact import TIP, Setting, wanted_channels
+from lutgen.channels.exact import TIP, Setting
 from lutgen.channels.measuring import Memory, own_memory
 from lutgen.channels.rows import PAD, TALL, Nodes, Rows, Scratch, draw, fill_tip_angles, nodes_of
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.recipe import Recipe, forward
 from lutgen.support import stand
 
@@ -86,7 +86,7 @@ class Scanner:
         self._recipe, self._channels = recipe, channels
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
-        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels))
+        self._setting = Setting(acceptance_of(recipe), np.array(wanted(channels)))
         by_node = recipe.loaded or not BY_ROWS.issuperset(channels)
         self._directions = chart.directions().reshape(1, -1, 3) if by_node else None
 

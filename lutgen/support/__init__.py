@@ -11,8 +11,6 @@ from lutgen.support.primitive import (
     DISC,
     FACE_ANGLE,
     FIRST,
-    KIND,
-    RADIUS,
     SPHERE,
     STICKS_OUT,
     lies_within,
