@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.control.limits import limits_of
+from firmware_export.control.limits import limits_of, stands_alike
 from firmware_export.control.table import between, polished, smooth
 from firmware_export.model import Model, combinations
 from firmware_export.protocol import Joint, Policy
@@ -238,10 +238,11 @@ def _refuse(model: Model, options: PolicyOptions) -> None:
     source, names = model.recipe.source, [p.name for p in model.recipe.parameters]
     if not names:
         raise InputError(f"{source}: the robot has no joint to control (got no parameter).")
-    if model.recipe.axles:
+    if model.recipe.axles and not stands_alike(model):
         raise InputError(
-            f"{source}: no bound of ways is known of a robot with axles that swing (got "
-            f"{model.recipe.axles[0].name}); read its export at each posture instead."
+            f"{source}: no bound of ways is known where an axle that swings carries the robot in "
+            f"some postures only (got {model.recipe.axles[0].name}); read its export at each "
+            "posture instead."
         )
     if model.is_tripod and model.k > MOST_JOINTS:
         raise InputError(

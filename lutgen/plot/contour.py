@@ -108,7 +108,7 @@ def _has_room(plane: Plane, flat: Best, best: Best) -> bool:
     low = np.array([plane.fx[0], plane.fy[0]])
     span = np.array([plane.fx[-1], plane.fy[-1]]) - low
     spot, star = (np.array(flat[:2]) - low) / span, (np.array(best[:2]) - low) / span
-    return bool(0.25 < spot[0] < 0.75 and (np.abs(spot - star) > [0.3, 0.06]).any())
+    return bool(0.17 < spot[0] < 0.83 and (np.abs(spot - star) > [0.3, 0.06]).any())
 
 
 def _name_levels(axes: Axes, plane: Plane, scale: Scale, avoid: Floats) -> None:

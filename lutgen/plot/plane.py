@@ -22,6 +22,8 @@ CLEAR, FLAT = 1.6, 0.05
 SHARE = 0.02
 # Postures as good as the best one but for this much are alike; the star stands well inside of them.
 ALIKE, INSIDE = 2.0, 0.7
+# Part of the picture: an even region reaches so far on all sides of its middle.
+WIDE = 0.12
 
 
 class Plane:
@@ -150,19 +152,20 @@ class Plane:
         return [p for p in parts if np.linalg.norm(np.diff(p, axis=0) / cell, axis=1).sum() > long]
 
     def flat(self) -> tuple[float, float, float] | None:
-        """Return the largest region that stays within about a degree: its middle and value."""
+        """Return the widest region that stays within about a degree: its middle and value."""
         known = self.values[np.isfinite(self.values) & (self.values > 0.0)]
         if not known.size:
             return None
         counts, ends = np.histogram(known, bins=np.arange(0.0, known.max() + 0.5, 0.25))
         usual = float(ends[int(np.argmax(counts))]) + 0.125
         groups, _ = connected(np.abs(self.values - usual) < 0.6)
-        sizes = np.bincount(groups.ravel())[1:]
-        if not sizes.size or sizes.max() < 0.08 * self.values.size:
+        depth = distance_transform_edt(np.pad(groups > 0, 1))[1:-1, 1:-1]
+        if depth.max() < WIDE * min(depth.shape):  # of a ramp a narrow strip is as even
             return None
-        rows, columns = np.nonzero(groups == 1 + sizes.argmax())
-        lowest = float(self.values[rows, columns].min())
-        return float(np.median(self.x[columns])), float(np.median(self.y[rows])), lowest
+        inner = np.argwhere(depth > 0.95 * depth.max())
+        row, column = inner[np.linalg.norm(inner - inner.mean(axis=0), axis=1).argmin()]
+        lowest = float(self.values[groups == groups[row, column]].min())
+        return float(self.x[column]), float(self.y[row]), lowest
 
     def best(self) -> tuple[float, float, float] | None:
         """Return where the best posture is and its value: well inside of those that are alike."""

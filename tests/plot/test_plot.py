@@ -14,6 +14,7 @@ from PIL import Image
 import lutgen
 from lutgen import plot
 from lutgen.analysis import Posture, posture_limits, tilt_limits, tilted
+from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.quantities import RANKED
 from tests.fixtures.places import MAPS
@@ -137,6 +138,20 @@ def test_hatching_covers_what_tips_over_and_the_star_is_the_best_of_the_rest(con
     best = lutgen.evaluate(two, np.radians([[x, y]]), [NOSE_UP], ("sdg",))["sdg"][0, 0]
     assert best <= np.nanmin(sdg) + 1e-3
     assert f"{x:.0f}{DEG}" in title(contour)
+
+
+def test_an_even_region_is_named_with_its_angle_and_a_ramp_is_not(absolem):
+    tractor = lutgen.load_recipe(MAPS / "tractor.toml")
+    assert "everywhere" not in words(plot.draw("contour", tractor, gravity=(0.0, 0.25, -1.0)))
+    figure = plot.draw("contour", absolem, convention="plane")
+    (said,) = (one for one in figure.axes[0].texts if "everywhere" in one.get_text())
+    # Words are about 80 deg wide there.
+    around = np.add(said.get_position(), [(x, y) for x in (-40, 0, 40) for y in (-10, 0, 10)])
+    down = np.tile(DOWN, (len(around), 1))
+    found = evaluate_each(absolem, np.radians(around), down, ("tip_angle",), "plane")
+    angles = np.degrees(found["tip_angle"])
+    assert said.get_text() == f"{math.floor(angles.min())}{DEG} everywhere here"
+    assert np.ptp(angles) < 1.2
 
 
 @pytest.mark.parametrize("kind", ["curve", "contour", "surface"])
