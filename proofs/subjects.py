@@ -50,7 +50,7 @@ class Subject:
 
     @property
     def proved(self) -> bool:
-        """Whether Eva proves it: of more contacts only what has two tracks and up to two rests."""
+        """Whether Eva proves it: of more contacts only one of two tracks and two rests."""
         return not self.many or self.name == "excavator"
 
     @property

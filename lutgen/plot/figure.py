@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.channels import CONVENTIONS
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.mapping import StabilityMap
 from lutgen.plot.contour import draw_contour
 from lutgen.plot.curve import draw_curve
@@ -25,7 +25,8 @@ from lutgen.plot.surface import draw_surface
 from lutgen.plot.tilt import draw_polar
 from lutgen.plot.view import View, is_sealed, limits
 from lutgen.quantities import RANKED
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, within_limits
+from lutgen.vector import Floats
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -51,8 +52,6 @@ KINDS = {
     "polar": Kind(draw_polar, of_robot=True, turns=True),
     "robot": Kind(draw_robot, of_robot=True),
 }
-# A limit given in degrees comes back from radians within a few 1e-16 of itself.
-SLACK = 1e-9
 CHOOSE = "choose from"
 
 
@@ -107,11 +106,8 @@ def draw(
         _refuse("channel cannot be drawn", channel, suggestion(channel, RANKED, CHOOSE))
     if stability_map is not None and one.varies and channel not in stability_map.channels:
         stored = [name for name in stability_map.channels if name in RANKED]
-        _refuse(
-            "channel is not in the map",
-            channel,
-            f"{suggestion(channel, stored, CHOOSE)} or a recipe",
-        )
+        way_out = f"{suggestion(channel, stored, CHOOSE)} or a recipe"
+        _refuse("channel is not in the map", channel, way_out)
     if scale is not None and not (all(map(math.isfinite, scale)) and scale[0] < scale[1]):
         what = "a scale goes from a number to a larger one"
         _refuse(what, ", ".join(f"{x:g}" for x in scale), "give two such as 0, 60")
@@ -127,21 +123,32 @@ def draw(
         _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
     if convention == "plane" and one.turns:
         _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    fixed = params or {}
-    given = {name: _value(recipe, stability_map, name, v) for name, v in fixed.items()}
+    given = params or {}
+    posture = _posture(recipe, stability_map, given)
     columns = _columns(kind, recipe, given, axes)
-    posture = []
-    for i, p in enumerate(recipe.parameters):
-        low, high = limits(recipe, stability_map, i)
-        home = recipe.home.get(p.name, math.nan)
-        # A map may cover less than the recipe's range.
-        posture.append(given.get(p.name, home if low <= home <= high else (low + high) / 2.0))
     on_chart = stability_map is None or bool(stability_map.chart.locate(down[None, :])[3][0])
     if one.varies == 2 and not on_chart:
         way_out = "choose a direction that the map covers, or draw from the recipe"
         _refuse("gravity is outside the map's chart", ", ".join(f"{x:g}" for x in down), way_out)
-    where = (recipe, stability_map, np.array(posture), down, channel, columns)
+    where = (recipe, stability_map, posture, down, channel, columns)
     return one.paint(View(*where, convention, scale, ax))
+
+
+def _posture(
+    recipe: Recipe, stability_map: StabilityMap | None, given: Mapping[str, float]
+) -> Floats:
+    """Return the posture (k,), rad or length: what is given, inside its range, `home` or middle."""
+    ends = [limits(recipe, stability_map, i) for i in range(len(recipe.parameters))]
+    low, high = np.array(ends).reshape(-1, 2).T
+    home = np.array([recipe.home.get(p.name, math.nan) for p in recipe.parameters])
+    # A map may cover less than the recipe's range.
+    posture = np.where((low <= home) & (home <= high), home, (low + high) / 2.0)
+    for name, value in given.items():
+        column = _column(recipe, name)
+        posture[column] = recipe.parameters[column].stored(value)
+    within_limits(recipe, [posture], ends)
+    # Degrees come back from rad a rounding beyond the range.
+    return np.clip(posture, low, high)
 
 
 def _columns(
@@ -152,11 +159,9 @@ def _columns(
     if axes is None:
         free = [name for name in names if name not in given]
         if len(free) < count:
-            _refuse(
-                f"a {kind} varies {count} parameter(s) of {recipe.name}",
-                f"{len(free)} that are free",
-                f"leave more of these unset: {', '.join(names) or 'none, it has no parameters'}",
-            )
+            what = f"a {kind} varies {count} parameter(s) of {recipe.name}"
+            every = ", ".join(names) or "none, it has no parameters"
+            _refuse(what, f"{len(free)} that are free", f"leave more of these unset: {every}")
         return tuple(names.index(name) for name in free[:count])
     if len(axes) != count or len(set(axes)) != count:
         _refuse(f"a {kind} needs {count} different axes", ", ".join(axes) or "none", "correct axes")
@@ -173,24 +178,6 @@ def _column(recipe: Recipe, name: str) -> int:
     return names.index(name)
 
 
-def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value: float) -> float:
-    """Return a given parameter value in rad or length, inside its range."""
-    column = _column(recipe, name)
-    parameter = recipe.parameters[column]
-    low, high = limits(recipe, stability_map, column)
-    inside = float(parameter.stored(value))
-    rounding = SLACK * (high - low)
-    if not low - rounding <= inside <= high + rounding:
-        shown = parameter.shown(np.array([low, high]))
-        unit = "" if parameter.display_unit == "1" else f" {parameter.display_unit}"
-        _refuse(
-            f"parameter `{name}` is outside its range",
-            f"{value:g}",
-            f"choose from {shown[0]:g} to {shown[1]:g}{unit}",
-        )
-    return min(max(inside, low), high)
-
-
 def _refuse(what: str, got: object, way_out: str) -> NoReturn:
     """Say what is wrong with an option, what it was, and the way out."""
-    raise InputError(f"plot: {what} (got {got}); {way_out}.")
+    reject("plot", what, got, way_out, InputError)
