@@ -38,7 +38,7 @@ maps: .venv/.installed ## build every map of maps/, its figures and its firmware
 
 paper: .venv/.installed ## reproduce the paper: figures, tables and one page in build/paper
 	$(BIN)/lutgen -v paper -o build/paper --force
-	$(BIN)/python tools/paper_gallery.py build/paper
+	cp $(patsubst maps/%,build/%,$(wildcard maps/paper/*.png)) maps/paper
 
 test: export LUTGEN_LONG = $(LONG)
 test: .venv/.installed ## run the tests, with LONG=1 at length; what needs tools that are not here is skipped

@@ -16,10 +16,11 @@ from firmware_export.certify.answers import device
 from firmware_export.choose import Goal, Trials, choose
 from firmware_export.codecs import usable
 from firmware_export.model.exact import Model
-from firmware_export.model.sample import Sample, biased, join, uniform
+from firmware_export.model.sample import Sample, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
+from targets.marks import markdown
 
 RECIPE = Path(__file__).parents[1] / "maps" / "paper_two.toml"
 CHANNELS = ("sdg", "tip_angle", "height")
@@ -84,19 +85,20 @@ def cell_error(results: list[Result], size: int) -> str:
 def table(results: dict[str, list[Result]]) -> str:
     """Return the markdown table."""
     heads = [f"bytes at {percent:g} %" for percent in ERRORS] + [name for _, name in SIZES]
-    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    lines = []
     for name, found in results.items():
         cells = [cell_bytes(found, percent) for percent in ERRORS]
         cells += [cell_error(found, size) for size, _ in SIZES]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append([name, *cells])
+    return markdown(f"| | {' | '.join(heads)} |", lines)
 
 
 def main() -> str:
     """Measure everything; return the table."""
     begin = time.perf_counter()
     model = Model(load_recipe(RECIPE))
-    sample = join([part(model, POINTS // 2, SEED) for part in (uniform, biased)])
+    both = (part(model, POINTS // 2, SEED) for part in (uniform, biased))
+    sample = Sample(*map(np.concatenate, zip(*both, strict=True)))
     points = points_of(sample, model)
     results = ours(model, sample, float(np.ptp(points.sdg)))
     for rival in RIVALS:

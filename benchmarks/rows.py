@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable
 from statistics import median
 from typing import NamedTuple
 
+from targets.marks import markdown
+
 REPEATS = 7
 # After a parallel kernel the threads of OpenMP spin for some ms.
 PAUSE = 0.005
@@ -40,8 +42,7 @@ def said(seconds: float) -> str:
 
 def table(rows: Iterable[Row]) -> str:
     """Return rows as a table in Markdown."""
-    lines = [HEAD, tuple("-" * len(HEAD)), *(row.cells() for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown(f"| {' | '.join(HEAD)} |", [list(row.cells()) for row in rows])
 
 
 def interleave(*contenders: Callable[[], object], repeats: int = REPEATS) -> list[float]:

@@ -19,10 +19,9 @@ import numpy as np
 from benchmarks import files, memory
 from benchmarks.references import COMMAND
 from benchmarks.rows import Row, table
+from targets.marks import MEASURED, ROOT, between
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "measured" / "benchmarks.md"
-MARKS = re.compile(r"(<!-- run -->\n).*(<!-- end of run -->)", re.DOTALL)
+PAGE = MEASURED / "benchmarks.md"
 
 
 def machine() -> str:
@@ -64,9 +63,7 @@ def main() -> None:
             print(f"\n{said[-1]}", flush=True)
     print(f"\ntook {time.perf_counter() - begin:.0f} s")
     if options.update:
-        text = "\n\n".join(said)
-        page = MARKS.sub(lambda found: f"{found[1]}{text}\n{found[2]}", PAGE.read_text("utf-8"))
-        PAGE.write_text(page, "utf-8")
+        between(PAGE, "run", "\n\n".join(said))
 
 
 if __name__ == "__main__":

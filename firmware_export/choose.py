@@ -8,16 +8,16 @@ that choosing the best of many does not flatter that.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 from firmware_export.certify import certificate
 from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Certificate, certify, put_to_test
-from firmware_export.emit import code_bytes, flash_bytes
+from firmware_export.emit import family_row, flash_bytes
 from firmware_export.model import Model
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 
 SEED, POINTS = 501, 30_000
 # Percent: the default aim.
@@ -121,7 +121,7 @@ def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
         if good:
             break
     if not good:
-        raise _refusal(trials, tried, goal)
+        _refuse(trials, tried, goal)
     generous = [one for one in good if one.false_tip <= MOST_FALSE_TIP]
     if not generous:
         return min(good, key=lambda one: (one.false_tip, one.total, one.label))
@@ -137,7 +137,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     """
     ceiling = goal.flash if goal.flash is not None else LARGEST
     # Only a trained table asks how many bytes it may have.
-    sizes = codec.sizes(trials.model, trials.channels, ceiling - code_bytes("grid"))
+    sizes = codec.sizes(trials.model, trials.channels, ceiling - family_row("grid", {})["code"])
 
     def larger(spec: Any) -> bool:
         """Return True if sizes beyond this one are of use."""
@@ -155,8 +155,8 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
         low, high = (middle + 1, high) if larger(sizes[middle]) else (low, middle)
 
 
-def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
-    """Return the error that says what comes nearest to a goal that nothing meets."""
+def _refuse(trials: Trials, tried: list[Candidate], goal: Goal) -> NoReturn:
+    """Say what comes nearest to a goal that nothing meets."""
     where = trials.model.recipe.source
     usable = [one for one in tried if math.isfinite(goal.error(one))]
     if not usable:
@@ -165,9 +165,7 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
             for name, reason in trials.refused.items()
         ]
         got = "; ".join(said).rstrip(".") or f"{len(tried)} candidates without an answer"
-        return ExportError(
-            f"{where}: no codec could encode the robot (got {got}); choose another codec."
-        )
+        reject(where, "no codec could encode the robot", got, "choose another codec", ExportError)
     limits, nearest = [], []
     if goal.flash is not None:
         limits.append(f"{goal.flash:,} bytes of flash")
@@ -186,7 +184,5 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     if goal.bound is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
-    return ExportError(
-        f"{where}: no export meets the request (got {' and '.join(limits)}); the nearest that "
-        f"can be had: {'; '.join(nearest)}."
-    )
+    way_out = f"the nearest that can be had: {'; '.join(nearest)}"
+    reject(where, "no export meets the request", " and ".join(limits), way_out, ExportError)

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
+
 from firmware_export.emit import load_report
 from firmware_export.host import FULL_SCALE, Host, in_units
 from firmware_export.protocol import restored
-from lutgen.errors import InputError, LutgenError
+from lutgen.errors import InputError, reject
 from lutgen.files import digest as file_digest
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, parse_recipe
@@ -39,19 +41,14 @@ class ExportFolder:
             if self.host.check() != 0:  # a read could leave its memory
                 raise ValueError("smap_check refuses them")
         except OSError as error:
-            raise InputError(
-                f"{path}: cannot be read (got {error.strerror}); export again."
-            ) from error
+            reject(path, "cannot be read", error.strerror, "export again", InputError)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise InputError(
-                f"{folder}: the tables of its report are damaged (got {type(error).__name__}: "
-                f"{error}); export again."
-            ) from error
+            what, got = "the tables of its report are damaged", f"{type(error).__name__}: {error}"
+            reject(folder, what, got, "export again", InputError)
         if not same:
-            raise InputError(
-                f"{path}: is not the file that was exported (got the digest {digest[:12]}, its "
-                f"report says {str(tables['source_sha256'])[:12]}); export again."
-            )
+            said = str(tables["source_sha256"])[:12]
+            got = f"the digest {digest[:12]}, its report says {said}"
+            reject(path, "is not the file that was exported", got, "export again", InputError)
 
     def read(
         self, params: Sequence[float], gravity: Sequence[float]
@@ -61,15 +58,18 @@ class ExportFolder:
         Returns the status without its SMAP_, and the channels in rad and length: NaN where the map
         does not hold one.
         """
+        values: NDArray[Any]
         if self.integer:
-            return self._read_integer(params, gravity)
-        codes, readings = self.host.read([params], [gravity])
-        values = map(float, readings[0])
-        return STATUS[int(codes[0])], dict(zip(EXPORTABLE, values, strict=True))
+            codes, whole = self.host.read_i(*self._steps(params, gravity))
+            values = in_units(whole, self.report["steps"])
+        else:
+            codes, values = self.host.read([params], [gravity])
+        return STATUS[int(codes[0])], dict(zip(EXPORTABLE, values[0].tolist(), strict=True))
 
-    def _read_integer(
+    def _steps(
         self, params: Sequence[float], gravity: Sequence[float]
-    ) -> tuple[str, dict[str, float]]:
+    ) -> tuple[list[list[int]], list[list[int]]]:
+        """Return a posture in steps of its axes, and gravity as whole numbers."""
         row = []
         for parameter, value in zip(self.report["parameters"], params, strict=True):
             low, high = parameter["min"], parameter["max"]
@@ -78,10 +78,7 @@ class ExportFolder:
             row.append(max(code, -FULL_SCALE - 1) if value <= high else -FULL_SCALE - 1)
         # The longest vector of the same direction that fits resolves it best.
         longest = max(map(abs, gravity))
-        down = [round(part / longest * FULL_SCALE) for part in gravity]
-        codes, readings = self.host.read_i([row], [down])
-        values = in_units(readings, self.report["steps"])[0].tolist()
-        return STATUS[int(codes[0])], dict(zip(EXPORTABLE, values, strict=True))
+        return [row], [[round(part / longest * FULL_SCALE) for part in gravity]]
 
     def recipe(self) -> Recipe:
         """Return the recipe that the report holds, its code left alone; refuse another one."""
@@ -90,17 +87,12 @@ class ExportFolder:
             text, urdf = stored["text"], stored["urdf"]
             name = f"{self._directory} (recipe inside)"
             recipe = parse_recipe(text, name, inert=True, urdf=urdf)
-        except LutgenError:
-            raise
-        except (KeyError, TypeError, AttributeError) as error:
-            raise InputError(
-                f"{self._directory}: its report does not hold the recipe (got one of lutgen "
-                f"{self.report.get('lutgen_version')}); export again."
-            ) from error
+        except (KeyError, TypeError, AttributeError):
+            what, got = "its report does not hold the recipe", self.report.get("lutgen_version")
+            reject(self._directory, what, f"one of lutgen {got}", "export again", InputError)
         if recipe.digest != self.report.get("recipe_sha256"):
-            raise InputError(
-                f"{self._directory}: the recipe of its report was changed (got the digest "
-                f"{recipe.digest[:12]}, not {str(self.report.get('recipe_sha256'))[:12]}); "
-                "export again."
-            )
+            what = "the recipe of its report was changed"
+            said = str(self.report.get("recipe_sha256"))[:12]
+            got = f"the digest {recipe.digest[:12]}, not {said}"
+            reject(self._directory, what, got, "export again", InputError)
         return recipe

@@ -16,7 +16,7 @@ from firmware_export.model import Model, uniform
 from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from lutgen.channels import refuse_forces
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 from lutgen.mapping import TO_STAND, StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
@@ -140,11 +140,9 @@ def certified(
     codecs = usable(model, options.arithmetic, options.codec)
     sample = uniform(model, LOOKED, SEED)
     if not (model.exact(*sample).tip_angle >= 0.0).any():
-        raise ExportError(
-            f"{recipe.source}: key `robot.contact`: the export would only ever answer that the "
-            f"robot tips (got none of {sample.points:,} postures and directions in which it "
-            f"stands); {TO_STAND}."
-        )
+        what = "key `robot.contact`: the export would only ever answer that the robot tips"
+        got = f"none of {sample.points:,} postures and directions in which it stands"
+        reject(recipe.source, what, got, TO_STAND, ExportError)
     progress(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, channels, options.arithmetic)
     nothing = size is None and bound is None
@@ -158,12 +156,11 @@ def certified(
         chosen = _certified(trials, codecs, goal, options.points, progress)
     certificate = chosen.certificate
     if certificate.false_tip > USELESS:
-        raise ExportError(
-            f"{recipe.source}: the export would report too much of what stands as unsafe (got "
-            f"{100.0 * certificate.false_tip:.3g} % for {chosen.label}, more than "
-            f"{100.0 * USELESS:.0f} %); allow more flash, narrow the parameters, or choose another "
-            "--codec."
-        )
+        what = "the export would report too much of what stands as unsafe"
+        got = f"{100.0 * certificate.false_tip:.3g} % for {chosen.label}"
+        way_out = "allow more flash, narrow the parameters, or choose another --codec"
+        most = f"more than {100.0 * USELESS:.0f} %"
+        reject(recipe.source, what, f"{got}, {most}", way_out, ExportError)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(bounded(channels)[0], relative=True),
         "bound": None if goal.bound is None else str(goal.bound),
@@ -179,10 +176,9 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
         source = load_recipe(source, allow_python) if toml else load_map(source)
     recipe = source.recipe if isinstance(source, StabilityMap) else source
     if recipe.python is not None and recipe.function is None:
-        raise InputError(
-            f"{recipe.source}: the robot is given by code, which a map does not hold (got python = "
-            f"{recipe.python!r}); export the recipe's file with --allow-python."
-        )
+        what = "the robot is given by code, which a map does not hold"
+        got, way_out = f"python = {recipe.python!r}", "export the recipe's file with --allow-python"
+        reject(recipe.source, what, got, way_out, InputError)
     refuse_forces(recipe, "the C runtime")
     return recipe
 
@@ -195,10 +191,8 @@ def _channels(recipe: Recipe, given: Sequence[str] | None) -> tuple[str, ...]:
     wanted = stored if given is None else list(given)
     for name in wanted:
         if name not in EXPORTABLE:
-            raise InputError(
-                f"channels: {name!r} cannot be exported (got {name!r}); choose from "
-                f"{', '.join(EXPORTABLE)}."
-            )
+            what, way_out = f"{name!r} cannot be exported", f"choose from {', '.join(EXPORTABLE)}"
+            reject("channels", what, repr(name), way_out, InputError)
         if name not in recipe.channels and name != "tip_angle":
             raise InputError(
                 f"{recipe.source}: has no channel {name!r} (it has {', '.join(recipe.channels)}); "

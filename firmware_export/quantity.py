@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # k is 1000 as in SI; the smaller reading never promises bytes that are not there.
 _FACTORS = {"": 1, "k": 1000, "ki": 1024, "m": 1000_000, "mi": 1024 * 1024}
@@ -22,10 +22,9 @@ def parse_size(text: str | int) -> int:
     match = _SIZE.fullmatch(str(text).strip())
     size = float(match[1]) * _FACTORS[match[2].lower()] if match else 0.0
     if not 1.0 <= size <= 2.0**40:
-        raise InputError(
-            f"flash size: {str(text)!r} is no size of 1 byte or more (got {str(text)!r}); "
-            "write for example 16KiB, 64k or 4096."
-        )
+        what = f"{str(text)!r} is no size of 1 byte or more"
+        way_out = "write for example 16KiB, 64k or 4096"
+        reject("flash size", what, repr(str(text)), way_out, InputError)
     return int(size)
 
 
@@ -54,8 +53,7 @@ def parse_error(text: str | float) -> ErrorBound:
     except ValueError:
         value = math.nan
     if rest or not (0.0 < value < math.inf):
-        raise InputError(
-            f"largest error: {str(text)!r} is no error above 0 (got {str(text)!r}); write for "
-            "example 1% of the range, or 0.05 in the recipe's length unit."
-        )
+        what = f"{str(text)!r} is no error above 0"
+        way_out = "write for example 1% of the range, or 0.05 in the recipe's length unit"
+        reject("largest error", what, repr(str(text)), way_out, InputError)
     return ErrorBound(value, bool(percent))

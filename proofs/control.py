@@ -7,64 +7,21 @@ code with the C.
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from firmware_export.codecs import usable
-from firmware_export.control import PolicyOptions, steered
-from firmware_export.host import BLIND, ESCAPES, Controller, budget
-from firmware_export.model import Model
-from firmware_export.protocol import Blob, Policy, describe
-from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
-from lutgen.recipe import load_recipe
+from lutgen.recipe import gallery_names
 from lutgen.vector import Floats
+from proofs.steered import BLIND, ESCAPES, Steered, robot
 
-GALLERY = Path(__file__).resolve().parent.parent / "maps"
 G0 = 9.80665
 # Cycles on a fixed slope: joints that move alone, by small steps, take thousands.
 LONG = 8000
 # rad: what singles may round of a tip angle.
 ROUNDED = 2e-5
-
-
-@dataclass(frozen=True, eq=False)
-class Steered:
-    """A robot with its export's map and policy."""
-
-    model: Model
-    blob: Blob
-    policy: Policy
-
-    @property
-    def tripod(self) -> bool:
-        """Whether ways are judged on the plane; else in the body's frame, and what leaning adds."""
-        return self.model.is_tripod
-
-    def controller(self, robots: int = 1, policy: Policy | None = None) -> Controller:
-        """Return the C that steers so many robots."""
-        return Controller(self.blob, (policy or self.policy).packed(self.blob.bytes), robots)
-
-    def tip(self, params: Floats, gravity: Floats) -> Floats:
-        """Return the true tip angles (m,), rad."""
-        return np.asarray(
-            evaluate_each(self.model.recipe, params, gravity, ("tip_angle",))["tip_angle"]
-        )
-
-    def down(self, params: Floats, slopes: Floats) -> Floats:
-        """Return gravity (m, 3) in the body frame of robots that stand on slopes (m, 3)."""
-        return np.asarray(body_gravity(self.model.recipe, params, slopes, "plane"))
-
-
-def robot(name: str, codec: str = "contacts", **options: Any) -> Steered:
-    """Return a robot of the gallery, its export not certified, with a policy."""
-    model = Model(load_recipe(GALLERY / f"{name}.toml"))
-    info = usable(model, "float", codec)[0]
-    export, found = steered(info.export(model, name, ("tip_angle",)), PolicyOptions(**options))
-    return Steered(model, describe(export), found.policy)
 
 
 class Count(NamedTuple):
@@ -104,7 +61,7 @@ def transits(
     looked at: corners, and random ones.
     """
     rng, model, k = np.random.default_rng(seed), one.model, one.model.k
-    start = model.lower + rng.random((count, k)) * (model.upper - model.lower)
+    start = model.at(rng.random((count, k)))
     rates = np.array([joint.rate for joint in one.policy.joints])
     end = (
         start + rng.uniform(-1.0, 1.0, (count, k)) * rates * largest * rng.random((count, 1)) ** 0.3
@@ -141,12 +98,10 @@ def damaged(one: Steered, count: int, cycles: int = 12, seed: int = 2) -> Count:
     for _ in range(count):
         codes = rng.integers(0, 256, one.policy.codes.shape).astype(np.uint8)
         low = one.policy.codes.copy()
-        broken = Policy(
-            **{**vars(one.policy), "codes": np.where(rng.random() < 0.5, codes, low ^ codes)}
-        )
+        broken = replace(one.policy, codes=np.where(rng.random() < 0.5, codes, low ^ codes))
         robots = 8
         c = one.controller(robots, broken)
-        q = model.lower + rng.random((robots, model.k)) * (model.upper - model.lower)
+        q = model.at(rng.random((robots, model.k)))
         slopes = directions(one, rng, robots, 0.8)
         for _ in range(cycles):
             down = one.down(q, slopes)
@@ -180,7 +135,7 @@ def fixed_slopes(
     """
     rng, model = np.random.default_rng(seed), one.model
     slopes = directions(one, rng, count, 0.6)
-    q = model.lower + rng.random((count, model.k)) * (model.upper - model.lower)
+    q = model.at(rng.random((count, model.k)))
     stands = one.tip(q, one.down(q, slopes)) >= 0.0
     c = one.controller(count)
     moved, before = np.zeros(count), one.down(q, slopes)
@@ -207,13 +162,11 @@ class Budget(NamedTuple):
 def budgets(one: Steered, count: int, reads: int = 4, seed: int = 4) -> Budget:
     """Attack budgets: accelerations at which the robot tips, or any on the way to them."""
     rng, model = np.random.default_rng(seed), one.model
-    q = (model.lower + rng.random((count, model.k)) * (model.upper - model.lower)).astype(
-        np.float32
-    )
+    q = model.at(rng.random((count, model.k))).astype(np.float32)
     down = directions(one, rng, count, 0.8)
     turn = rng.uniform(0.0, 2.0 * np.pi, count)
     ahead = np.stack([np.cos(turn), np.sin(turn), np.zeros(count)], axis=1)
-    found, _ = budget(one.blob, q, down, ahead, reads)
+    found = one.controller().budget(q, down, ahead, reads)
     stands = one.tip(q.astype(float), down) >= 0.0
 
     def tips(acceleration: Floats) -> Any:
@@ -246,7 +199,7 @@ def bits(one: Steered, count: int, seed: int = 5) -> Count:
         return np.where(rng.random(shape) < share, wild, plain)
 
     for at, wild in enumerate((0.0, 0.1, 0.1, 0.1)):  # from the second on a few off their axes
-        q = (model.lower + rng.random((count, k)) * (model.upper - model.lower)).astype(np.float32)
+        q = model.at(rng.random((count, k))).astype(np.float32)
         q = np.where(rng.random((count, k)) < 0.05 * at, noise((count, k), wild), q)
         up, rate, own = (noise((count, 3), wild) for _ in range(3))
         with np.errstate(all="ignore"):
@@ -296,7 +249,7 @@ def attacked(name: str, part: float) -> tuple[str, int]:
 
 def main(arguments: Sequence[str]) -> int:
     """Attack and print the table; return 1 where a fault was found."""
-    names = sorted(path.stem for path in GALLERY.glob("*.toml"))
+    names = gallery_names()
     scale = float(arguments[0]) if arguments else 1.0
     print("\n".join([HEAD, "|---" * (HEAD.count("|") - 1) + "|"]), flush=True)
     every = 0

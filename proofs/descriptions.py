@@ -3,7 +3,5 @@
 import os
 from pathlib import Path
 
-__all__ = ["FOLDER"]
-
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = Path(os.environ.get("LUTGEN_ROBOTS", ROOT.parent / "shared" / "robots"))

@@ -11,10 +11,9 @@ from pathlib import Path
 from firmware_export.control import PolicyOptions, steered
 from firmware_export.emit import package
 from proofs.subjects import Subject
-from proofs.tools import FAILED, OK, Clock, Result, run
+from proofs.tools import FAILED, OK, Result
+from targets.image import run
 from tests.fixtures.exports import tripod_export
-
-__all__ = ["prove", "prove_control", "verdict"]
 
 OPTIONS = (
     *("-eva", "-eva-slevel", "100", "-eva-ilevel", "64", "-eva-auto-loop-unroll", "300"),
@@ -73,12 +72,11 @@ def _result(proof: str, subject: str, harness: str, folder: Path, patience: floa
     if "smap_find_gap(" in source:
         options += ["-eva-slevel-function", COARSE]
     command = ["frama-c", *options, include, str(folder.absolute() / "harness.c")]
-    with Clock() as clock:
-        text = run(command, folder, patience).text
+    text = run(command, folder, patience).stdout
     (folder / "eva.log").write_text(text, encoding="utf-8")
     wrong, reached = verdict(text), REACHED.search(text)
     said = wrong or f"0 alarms, {reached[1] if reached else 0} % read"
-    return Result(proof, subject, FAILED if wrong else OK, said, clock.seconds)
+    return Result(proof, subject, FAILED if wrong else OK, said)
 
 
 def prove(subject: Subject, folder: Path, patience: float) -> Result:

@@ -5,10 +5,9 @@ from pathlib import Path
 
 from firmware_export.host import RUNTIME
 from proofs.prove.rounding import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
-from proofs.tools import FAILED, OK, Clock, Result, run
+from proofs.tools import FAILED, OK, Result
+from targets.image import run
 from targets.size import program
-
-__all__ = ["PROOFS", "prove"]
 
 SOURCE = Path(__file__).with_name("exhaustive.c")
 # The last two choose the whole square root of processors that can divide.
@@ -42,19 +41,18 @@ def prove(folder: Path, patience: float, step: int = 1, parts: Path = RUNTIME) -
     (folder / "of_three.c").write_text(program("points"), encoding="utf-8")
     shutil.copy(SOURCE, folder)
     command = ["gcc", *FLAGS, *ASSUMED, f"-DSTEP={step}u", f"-I{parts}", SOURCE.name]
-    with Clock() as clock:
-        done = run([*command, "-o", "all", "-lm"], folder, patience)
-        if done.code == 0:
-            done = run([str(folder / "all")], folder, patience)
-    lines = dict(line.split(" ", 1) for line in done.text.splitlines() if " " in line)
+    done = run([*command, "-o", "all", "-lm"], folder, patience)
+    if done.returncode == 0:
+        done = run([str(folder / "all")], folder, patience)
+    lines = dict(line.split(" ", 1) for line in done.stdout.splitlines() if " " in line)
     results = []
     for name, claim in PROOFS.items():
         numbers = lines.get(name, "").split()
-        if done.code or len(numbers) != 2:
-            first = next((row for row in done.text.splitlines() if "error" in row), "no answer")
-            results.append(Result("exhaustive", name, FAILED, first, clock.seconds))
+        if done.returncode or len(numbers) != 2:
+            first = next((row for row in done.stderr.splitlines() if "error" in row), "no answer")
+            results.append(Result("exhaustive", name, FAILED, first))
             continue
         tried, wrong = map(int, numbers)
         said = f"{claim}: {tried:,} tried, {wrong:,} wrong"
-        results.append(Result("exhaustive", name, FAILED if wrong else OK, said, clock.seconds))
+        results.append(Result("exhaustive", name, FAILED if wrong else OK, said))
     return results

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from proofs.subjects import Subject
-from proofs.tools import FAILED, OK, Clock, Result, run
-
-__all__ = ["HARNESSES", "Length", "fuzz"]
+from proofs.tools import FAILED, OK, Result
+from targets.image import run
 
 HERE = Path(__file__).resolve().parent
 # A harness, and more flags of the compiler: a damaged blob is read from memory.
@@ -52,34 +51,28 @@ def _run(subject: Subject, folder: Path, length: Length, harness: str) -> tuple[
     folder.mkdir(exist_ok=True)
     for path in subject.folder.glob("*.[ch]"):
         shutil.copy(path, folder)
-    if HARNESSES[harness]:
-        # On a host a pose has a word more.
-        header = folder / f"{subject.name}.h"
-        text = re.sub(r"(_WORDS) (\d+)u", r"\1 (\2u + 2u)", header.read_text("utf-8"))
-        header.write_text(text, encoding="utf-8")
     template = (HERE / f"{harness}.c").read_text("utf-8")
     (folder / "harness.c").write_text(subject.filled(template), "utf-8")
     _seeds(subject, folder / "corpus")
     command = ["clang", *FLAGS, *HARNESSES[harness], "-I", ".", "harness.c", "-o", "fuzzer"]
     built = run(command, folder, 600.0)
-    if built.code:
-        return built.code, built.text
+    if built.returncode:
+        return built.returncode, built.stderr
     limits = [f"-max_total_time={length.most}", "-max_len=160", "-timeout=10"]
     limits += [f"-runs={length.runs}"] if length.runs else []
     # The same seed each time: the same inputs, as far as it comes.
     command = [str(folder / "fuzzer"), *limits, "-print_final_stats=1", "-seed=1", "corpus"]
     done = run(command, folder, length.most + 120.0)
-    return done.code, done.text
+    return done.returncode, done.stdout + done.stderr
 
 
 def fuzz(subject: Subject, folder: Path, length: Length, harness: str = "fuzz") -> Result:
     """Try an export at some length: "fuzz" its queries, or "damage" its blob."""
-    with Clock() as clock:
-        code, text = _run(subject, folder, length, harness)
+    code, text = _run(subject, folder, length, harness)
     tried = re.search(r"stat::number_of_executed_units: (\d+)", text)
     if code or tried is None or int(tried[1]) < max(length.runs, 1):
         said = re.search(r"broken claim: .*|runtime error: .*|ERROR: .*|.*error: .*", text)
         reason = said[0] if said else "too few queries"
-        return Result(harness, subject.name, FAILED, reason[:100], clock.seconds)
+        return Result(harness, subject.name, FAILED, reason[:100])
     what = "queries" if harness == "fuzz" else "damaged maps"
-    return Result(harness, subject.name, OK, f"{int(tried[1]):,} {what}", clock.seconds)
+    return Result(harness, subject.name, OK, f"{int(tried[1]):,} {what}")

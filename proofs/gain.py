@@ -16,7 +16,8 @@ import numpy as np
 from firmware_export.control.maker import lattice, measured
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
-from proofs.control import G0, GALLERY, Steered, robot
+from proofs.control import G0
+from proofs.steered import Steered, robot
 
 # deg: slopes are no steeper; s: how long the ground takes from one to another.
 STEEPEST, PERIODS = 42.0, (8.0, 40.0)
@@ -128,7 +129,7 @@ def late(one: Steered, runs: int, seconds: float = 20.0, seed: int = 12) -> Late
 
 def flippers(name: str) -> Steered:
     """Return a robot with flippers, and its policy."""
-    joints = [p.name for p in load_recipe(GALLERY / f"{name}.toml").parameters]
+    joints = [p.name for p in load_recipe(f"recipe:{name}").parameters]
     return robot(
         name,
         home=dict.fromkeys(joints, HOME),
@@ -142,7 +143,7 @@ def flippers(name: str) -> Steered:
 
 def legs() -> Steered:
     """Return the robot whose commands come late."""
-    joints = [p.name for p in load_recipe(GALLERY / f"{LATE}.toml").parameters]
+    joints = [p.name for p in load_recipe(f"recipe:{LATE}").parameters]
     return robot(
         LATE,
         objective="move",

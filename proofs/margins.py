@@ -20,8 +20,6 @@ import numpy as np
 
 from lutgen.vector import Floats
 
-__all__ = ["MARGINS", "energy_margin", "force_angle", "static_margin", "zmp_distance"]
-
 
 def _sides(corners: Floats) -> tuple[Floats, Floats]:
     """Return where each side begins (k, 3), and its direction (k, 3), a unit vector."""

@@ -14,7 +14,6 @@ import importlib.util
 import math
 import re
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,9 +39,9 @@ from lutgen.urdf.read import load_urdf
 from lutgen.urdf.sources import Sources
 from lutgen.urdf.srdf import load_srdf, srdf_beside
 from proofs.physics.body import recipe_posture
-from proofs.physics.page import MEASURED, page
 from proofs.physics.release import falls
 from proofs.physics.start import pierced
+from targets.marks import MEASURED, between, markdown
 
 PAGE = MEASURED / "robots.md"
 # Robots whose tilt limits are compared with the engine's.
@@ -192,13 +191,6 @@ def measured(name: str, path: Path) -> Row:
     return Row(cells, tuple(f"{name}: {fault}" for fault in faults))
 
 
-def table(head: str, rows: Sequence[Row]) -> str:
-    """Return rows as Markdown."""
-    columns = head.count("|") - 1
-    lines = [head, "|" + "---|" * columns, *(f"| {' | '.join(row.cells)} |" for row in rows)]
-    return "\n".join(lines) + "\n"
-
-
 def main() -> int:
     """Run everything, or the robots that are named."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -220,20 +212,14 @@ def main() -> int:
                 refused.setdefault(said, []).append(name)
                 print(f"{name} | {said}", flush=True)
     if options.update:
-        text = PAGE.read_text(encoding="utf-8")
         head = (
             "| robot | mass (kg) | com (m) | posture | contacts | parameters "
             "| body tilt, guaranteed (deg) | ground tilt, guaranteed (deg) "
             "| worst heading (deg) | mass and com | engine |"
         )
-        rows = [Row((", ".join(names), said), ()) for said, names in refused.items()]
-        text = page(text, "stand", table(head, stand))
-        text = page(
-            text,
-            "refused",
-            table("| robots | said |", rows),
-        )
-        PAGE.write_text(text, encoding="utf-8")
+        rows = [[", ".join(names), said] for said, names in refused.items()]
+        between(PAGE, "stand", markdown(head, [list(row.cells) for row in stand]))
+        between(PAGE, "refused", markdown("| robots | said |", rows))
     faults = [fault for row in stand for fault in row.faults]
     for fault in faults:
         print(f"missed: {fault}", file=sys.stderr)

@@ -10,19 +10,20 @@ import os
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from firmware_export.emit.render import columns
 from lutgen.errors import LutgenError
 from proofs import eva, exhaustive, fuzz, structure
 from proofs.fuzz import HARNESSES, Length
 from proofs.subjects import SUBJECTS, made
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result
-
-__all__ = ["main"]
 
 BUILD = Path("build")
 PARTS = ("structure", "eva", "exhaustive", "fuzz")
@@ -74,23 +75,13 @@ def _row(prove: Callable[..., Result], *given: Any) -> list[Result]:
 
 
 def _done(job: Job) -> list[Result]:
-    """Run a job; an error of ours is a failed row."""
+    """Run a job; its rows tell the seconds that it took, and an error of ours is a failed row."""
+    begin = time.perf_counter()
     try:
-        return job()
+        rows = job()
     except LutgenError as error:
-        return [Result("proofs", "run", FAILED, str(error))]
-
-
-def _said(results: list[Result]) -> str:
-    """Return the table."""
-    rows = [["proof", "subject", "result", "s", "what"]]
-    rows += [[r.proof, r.subject, r.state, f"{r.seconds:.1f}", r.text] for r in results]
-    widths = [max(len(row[i]) for row in rows) for i in range(4)]
-    lines = []
-    for *cells, text in rows:
-        padded = [cell.ljust(width) for cell, width in zip(cells, widths, strict=True)]
-        lines.append("  ".join([*padded, text]))
-    return "\n".join(lines)
+        rows = [Result("proofs", "run", FAILED, str(error))]
+    return [replace(row, seconds=time.perf_counter() - begin) for row in rows]
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -113,7 +104,9 @@ def main(arguments: list[str] | None = None) -> int:
         jobs = _jobs(there, options, Path(name).absolute())
         with ThreadPoolExecutor(JOBS) as pool:
             results += [row for done in pool.map(_done, jobs) for row in done]
-    print(_said(results))
+    rows = [["proof", "subject", "result", "s", "what"]]
+    rows += [[r.proof, r.subject, r.state, f"{r.seconds:.1f}", r.text] for r in results]
+    print("\n".join(columns(rows, margin="")))
     bad = (FAILED, SKIPPED) if os.environ.get("CI") else (FAILED,)
     return int(any(result.state in bad for result in results))
 

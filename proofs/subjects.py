@@ -12,9 +12,6 @@ from firmware_export.protocol import Export
 from targets.cases import of_recipe, trained
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
 
-__all__ = ["SUBJECTS", "Subject", "made"]
-
-
 # Name of a subject: how its export is made.
 SUBJECTS: dict[str, Callable[[], Export]] = {
     "paper_two": partial(of_recipe, "paper_two", "contacts"),

@@ -14,11 +14,11 @@ from firmware_export.protocol import Export
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.recipe.gallery import KINDS, start_recipe
+from targets.marks import ROOT
 from tests.fixtures.exports import noise
 from tests.fixtures.frozen import exports
 from tests.fixtures.recipes import tripod
 
-ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
 # Four with parallel axes, one with a search for facets, three of three points.
 ROBOTS = (

@@ -30,7 +30,9 @@ from targets.boards import BOARDS, Board
 from targets.cases import BUILD, of_recipe
 from targets.digest import fnv1a
 from targets.image import compiled, counter_of, listen
-from targets.pages import PAGE, between, markdown
+from targets.marks import between, markdown
+from targets.pages import PAGE
+from targets.run import chosen
 
 # Robots, and the boards on which the state of one has no room.
 ROBOTS = {"paper_two": (), "absolem": ("avr",), "marv": ()}
@@ -146,7 +148,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", metavar="BOARD,...", help="of the targets")
     parser.add_argument("--update", action="store_true", help="rewrite the table of targets.md")
     options = parser.parse_args(arguments)
-    wanted = options.only.split(",") if options.only else [board.name for board in BOARDS]
+    wanted = chosen(options.only, [board.name for board in BOARDS])
     named = [board for board in BOARDS if board.name in wanted]
     boards = [board for board in named if all(map(shutil.which, board.programs))]
     cells = [

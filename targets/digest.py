@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.host import Host
+from tests.fixtures.exports import PosingHost
 
 START = 2166136261
 PRIME = 16777619
@@ -29,7 +29,7 @@ def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> NDArray[np.uint
     return np.concatenate(rows, axis=1)
 
 
-def answers(host: Host, floats: bool, integers: bool, real: Queries, whole: Queries) -> bytes:
+def answers(host: PosingHost, floats: bool, integers: bool, real: Queries, whole: Queries) -> bytes:
     """Return all answers of a map to queries, in the order in which chip/image.c asks.
 
     `real` and `whole` are parameters (m, k) and gravity (m, 3), in floats and as whole numbers;

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 from targets.boards import Board
 from targets.elf import memory, section_bytes
 
@@ -85,8 +85,10 @@ class Outcome:
     pose_i: int
 
 
-def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a program in a folder; one that cannot be run or hangs is a CellError."""
+def run(
+    arguments: Sequence[str], folder: Path, patience: float = PATIENCE
+) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder for so many seconds; if it cannot be or hangs it is a CellError."""
     try:
         return subprocess.run(
             list(arguments),
@@ -95,11 +97,14 @@ def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[s
             text=True,
             errors="replace",
             stdin=subprocess.DEVNULL,
-            timeout=PATIENCE,
+            timeout=patience,
             check=False,
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise CellError(f"{arguments[0]}: {type(error).__name__}") from error
+    except subprocess.TimeoutExpired as error:
+        way_out = "run again on an idle machine, or with more patience"
+        reject(arguments[0], "did not end", f"{error.timeout:.0f} s", way_out, CellError)
+    except OSError as error:
+        reject(arguments[0], "cannot be run", type(error).__name__, "install it", CellError)
 
 
 def build(arguments: Sequence[str], folder: Path) -> None:

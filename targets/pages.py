@@ -1,16 +1,13 @@
 """Write the counts as tables: a line for a run, docs/measured/targets.md, the README's costs."""
 
 import re
-from pathlib import Path
 from typing import Any
 
-from lutgen.errors import InputError
 from targets.baseline import CALLS, Cell
 from targets.boards import BOARDS
-from targets.cases import ROOT
+from targets.marks import MEASURED, ROOT, between, markdown
 
-PAGE = ROOT / "docs" / "measured" / "targets.md"
-EXPORTS, README = PAGE.with_name("exports.md"), ROOT / "README.md"
+PAGE, EXPORTS, README = MEASURED / "targets.md", MEASURED / "exports.md", ROOT / "README.md"
 # Rows of the README's table, and what they are there.
 ROBOTS = {
     "paper_two": "the paper's robot: 3 points, 2 parameters",
@@ -36,22 +33,6 @@ def line(cell: Cell) -> str:
     stack = "-" if cell["stack"] is None else f"{cell['stack']:,}"
     texts = [f"{call} {pair(cell, call)}" for call in CALLS if call in cell]
     return ", ".join([f"code {cell['code']:,}, stack {stack}", *texts])
-
-
-def markdown(head: str, rows: list[list[str]]) -> str:
-    """Return a table as Markdown."""
-    rule = "|---" * (head.replace(r"\|", "").count("|") - 1) + "|"
-    return "\n".join([head, rule, *(f"| {' | '.join(row)} |" for row in rows)])
-
-
-def between(path: Path, name: str, text: str) -> None:
-    """Put text between the marks ``<!-- name -->`` and ``<!-- end of name -->`` of a page."""
-    begin, end = f"<!-- {name} -->\n", f"\n<!-- end of {name} -->"
-    head, found, rest = path.read_text(encoding="utf-8").partition(begin)
-    _, closed, tail = rest.partition(end)
-    if not (found and closed):
-        raise InputError(f"{path.name}: has no marks of {name} (got none); put them in.")
-    path.write_text(head + begin + text + end + tail, encoding="utf-8")
 
 
 def counts(content: dict[str, Any]) -> str:

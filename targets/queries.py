@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
-from firmware_export.host import STANDS
+from firmware_export.host import FULL_SCALE, STANDS
 from firmware_export.protocol import Export
+from tests.fixtures.queries import integer_queries, random_queries
 
-CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
-KIND = CHECKED // 10  # queries of each kind
+# Of the checked ones so many are beside the boundary, on either side.
+CHECKED, BESIDE = 1000, 100
+COUNTED, OUTSIDE = 256, 32
 SEED = 2018
-# Zeros of both signs, what is no number, denormals, huge, and plain values.
-ODD = (0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0)
-ODD_WHOLE = (-32768, -32767, -1, 0, 1, 16384, 32766, 32767)
-FULL_SCALE = 32767
 
 Numbers = NDArray[Any]
 
@@ -37,8 +35,7 @@ def _typed(export: Export, t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbe
     model = export.model
     if export.integer:
         return _whole(t, gravity)
-    span = model.upper - model.lower
-    return (model.lower + t * span).astype(np.float32), gravity.astype(np.float32)
+    return model.at(t).astype(np.float32), gravity.astype(np.float32)
 
 
 def _whole(t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbers]:
@@ -66,17 +63,6 @@ def whole(export: Export, params: Numbers, gravity: Numbers) -> tuple[Numbers, N
     return _whole(np.where(np.isfinite(t), t, -1.0), np.where(np.isfinite(down), down, odd))
 
 
-def _lengths(export: Export, rng: np.random.Generator, gravity: Numbers) -> Numbers:
-    """Give directions lengths of many sizes."""
-    longest = np.abs(gravity).max(axis=1, keepdims=True)
-    if export.integer:
-        lengths: Numbers = 2.0 ** rng.uniform(0.0, 15.0, (len(gravity), 1))
-    else:
-        lengths = 10.0 ** rng.uniform(-3.0, 3.0, (len(gravity), 1))
-    scaled: Numbers = gravity / longest * lengths
-    return scaled
-
-
 def _boundary(export: Export, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
     """Return queries on both sides of where the answer changes to and from tipping, next to it.
 
@@ -84,10 +70,10 @@ def _boundary(export: Export, rng: np.random.Generator) -> tuple[Numbers, Number
     """
     read = device(export).read
     scale = 20_000.0 if export.integer else 1.0
-    t = rng.uniform(0.0, 1.0, (40 * KIND, export.model.k))
+    t = rng.uniform(0.0, 1.0, (40 * BESIDE, export.model.k))
     gravity = _directions(export, rng, len(t), 1.0) * scale
     stands = np.isin(read(*_typed(export, t, gravity))[0], STANDS)
-    first, second = np.flatnonzero(stands)[:KIND], np.flatnonzero(~stands)[:KIND]
+    first, second = np.flatnonzero(stands)[:BESIDE], np.flatnonzero(~stands)[:BESIDE]
     count = min(len(first), len(second))
     first, second = first[:count], second[:count]
     t, good, bad = t[first], gravity[first], gravity[second]
@@ -101,41 +87,12 @@ def _boundary(export: Export, rng: np.random.Generator) -> tuple[Numbers, Number
 def checked(export: Export) -> tuple[Numbers, Numbers]:
     """Return the queries of the hash: params (1000, k) and gravity (1000, 3).
 
-    A hundred of each kind: inside; beyond the ends and the chart; odd numbers as gravity; axes,
-    diagonals, seams and no gravity; odd parameters; ends and middles of the axes; the rim of the
-    chart; the boundary of tipping (two hundred); lengths from tiny to huge.
+    Eight in ten are drawn anywhere and odd in every way; the last lie beside the boundary.
     """
-    rng = np.random.default_rng(SEED)
-    model = export.model
-    t = rng.uniform(0.0, 1.0, (CHECKED, model.k))
-    gravity = _lengths(export, rng, _directions(export, rng, CHECKED, 1.0))
-
-    def kind(at: int) -> slice:
-        return slice(at * KIND, (at + 1) * KIND)
-
-    t[kind(1)] = rng.uniform(-0.05, 1.05, (KIND, model.k))
-    gravity[kind(1)] = _lengths(export, rng, _directions(export, rng, KIND, 1.05))
-    t[kind(5)] = rng.choice([0.0, 0.5, 1.0], (KIND, model.k))
-    gravity[kind(3)] = rng.integers(-1, 2, (KIND, 3)) * (1000.0 if export.integer else 9.81)
-    rim = rng.choice([-1.0, 0.0, 1.0], (2, KIND)) * model.chart_limit
-    rim *= rng.choice([1.0, 1.0 - 1e-6, 1.0 + 1e-6, 1.0 + 3e-6], (2, KIND))
-    gravity[kind(6)] = model.uv_to_gravity(rng.integers(0, model.faces, KIND), *rim)
-    gravity[kind(6)] *= 20_000.0 if export.integer else 1.0
-    near_t, near = _boundary(export, rng)
-    count = min(len(near), 2 * KIND)
-    t[7 * KIND : 7 * KIND + count], gravity[7 * KIND : 7 * KIND + count] = (
-        near_t[:count],
-        near[:count],
-    )
-    if not export.integer:
-        gravity[kind(9)] *= 10.0 ** rng.uniform(-38.0, 30.0, (KIND, 1))
-    params, down = _typed(export, t, gravity)
-    odd: Any = ODD_WHOLE if export.integer else ODD
-    down[kind(2)] = rng.choice(odd, (KIND, 3))
-    if model.k:
-        rows = np.arange(4 * KIND, 5 * KIND)
-        params[rows, rng.integers(0, model.k, KIND)] = rng.choice(odd, KIND)
-    return params, down
+    draw = integer_queries if export.integer else random_queries
+    near = _typed(export, *_boundary(export, np.random.default_rng(SEED)))
+    params, gravity = draw(export.model, CHECKED - len(near[0]), SEED)
+    return np.concatenate([params, near[0]]), np.concatenate([gravity, near[1]])
 
 
 def counted(export: Export, count: int = COUNTED, outside: int = OUTSIDE) -> tuple[Any, Any]:

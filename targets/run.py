@@ -16,14 +16,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
-from firmware_export.host import Host
-from firmware_export.protocol import Export, describe
+from firmware_export.emit.size import identity
+from firmware_export.protocol import Export
 from lutgen.errors import LutgenError
 from targets import baseline, pages, queries
 from targets.boards import BOARDS, Board
 from targets.cases import Case, cases, written
 from targets.digest import answers, fnv1a
 from targets.image import Job, execute, version
+from tests.fixtures.exports import PosingHost, host_of
 
 # Of many contacts one query in so many is asked for the hash: a posture takes long on small parts.
 FEWER, MANY = 10, (5, 6)
@@ -38,7 +39,7 @@ class Row:
     case: Case
     export: Export
     job: Job
-    host: Host
+    host: PosingHost
     share: int
 
     def asked(self, board: Board) -> tuple[Job, int]:
@@ -66,7 +67,7 @@ def prepared(case: Case) -> Row:
     body = export.body
     job = Job(folder, export.name, export.model.k, not export.integer, True, b"", 0, 0)
     many = body.codec in MANY
-    return Row(case, export, job, Host(describe(export)), FEWER if many else 1)
+    return Row(case, export, job, host_of(export), FEWER if many else 1)
 
 
 def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:
@@ -80,17 +81,6 @@ def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:
         (most,) = execute(row.reads(reads), board, option).counts["read"]
         cell["longest"] = max(most, cell["read"][1])
     return cell
-
-
-def identity(export: Export) -> dict[str, Any]:
-    """Return what tells an export: reports show its counts for the very same one."""
-    return {
-        "recipe_sha256": export.recipe.digest,
-        "spec": str(export.tables.spec.label),
-        "arithmetic": export.arithmetic,
-        "channels": list(export.channels),
-        "tables": int(export.tables.bytes),
-    }
 
 
 def chosen(text: str | None, names: Sequence[str]) -> list[str]:

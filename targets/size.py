@@ -26,7 +26,8 @@ from targets.boards import BOARDS
 from targets.cases import ROOT, TABLES, of_recipe, trained
 from targets.elf import section_bytes, undefined
 from targets.image import build, compiled, flags_of, version
-from targets.pages import PAGE, between, markdown
+from targets.marks import between, markdown
+from targets.pages import PAGE
 from tests.fixtures.exports import coded_export, tripod_export
 
 # What exports read instead of compiling.
@@ -126,10 +127,6 @@ def table(found: Mapping[str, Measure]) -> str:
     return markdown("| family | code | stack | on-board control |", rows)
 
 
-def _row(label: str, result: Measure) -> str:
-    return f"{label:<18} " + " ".join(f"{result[key]:>7,}" for key in ("code", "stack", "control"))
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table; return an exit code."""
     parser = argparse.ArgumentParser(prog="python -m targets.size", description=__doc__)
@@ -138,16 +135,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if shutil.which(BOARD.tool) is None:
         print(f"{BOARD.tool} is not installed: nothing is measured", file=sys.stderr)
         return 1
-    print(f"{f'{TARGET}, bytes':<18}    code   stack control")
     found = dict[str, Measure]()
     try:
         with tempfile.TemporaryDirectory(prefix="lutgen-") as name:
             for row in EXPORTS:
                 found[row] = measure_row(row, Path(name))
-                print(_row(row, found[row]))
     except LutgenError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1
+    print(f"{TARGET}, bytes\n\n{table(found)}")
     if options.update:
         compiler = json.dumps(version(BOARD))
         lines = ",\n".join(f'  "{key}": {json.dumps(row)}' for key, row in found.items())

@@ -21,9 +21,8 @@ from firmware_export.grid import lookup
 from firmware_export.model.exact import Model
 from lutgen.quantities import EXPORTABLE
 from targets.cases import TABLES, recipe_of
-from targets.pages import EXPORTS, between
-
-ROOT = Path(__file__).resolve().parent.parent
+from targets.marks import ROOT, between
+from targets.pages import EXPORTS
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 
 from lutgen import plot
 from lutgen.analysis import Posture, posture_limits
-from lutgen.errors import InputError, LutgenError
-from lutgen.files import write_text
+from lutgen.errors import LutgenError
 from lutgen.mapping import StabilityMap, load_map, share_that_tips
 from lutgen.parts import to_internal
 from lutgen.recipe.recipe import Recipe
+from targets.marks import between
 
 PAGE_HEAD = "# Gallery\n"
 
@@ -211,26 +211,14 @@ def block(recipe: Recipe, stability_map: StabilityMap) -> str:
     return "\n".join(lines)
 
 
-def with_block(page: str, name: str, text: str) -> str:
-    """Return a page with the text between the markers of a map replaced."""
-    begin, end = f"<!-- gallery {name} -->", f"<!-- end of {name} -->"
-    if page.count(begin) != 1 or page.count(end) != 1 or page.index(begin) > page.index(end):
-        if begin in page or end in page:
-            raise InputError(
-                f"README.md: the markers of {name} are damaged (got {page.count(begin)} x "
-                f"'{begin}' and {page.count(end)} x '{end}'); write each once, in this order."
-            )
-        page = f"{page.rstrip()}\n\n## {name}\n\n{begin}\n{end}\n"
-    before, _, rest = page.partition(begin)
-    return f"{before}{begin}\n{text}\n{end}{rest.partition(end)[2]}"
-
-
 def write_page(page: Path, name: str, text: str) -> None:
-    """Bring one map's part of the page up to date."""
+    """Bring one map's part of the page up to date; a map without one gets it at the end."""
     old = page.read_text(encoding="utf-8") if page.exists() else PAGE_HEAD
-    new = with_block(old, name, text)
-    if new != old or not page.exists():
-        write_text(page, new, force=True)
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+    if begin not in old:
+        new = f"{old.rstrip()}\n\n## {name}\n\n{begin}\n\n{end}\n"
+        page.write_text(new, encoding="utf-8")
+    between(page, name, text)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -79,13 +79,6 @@ class Measured(NamedTuple):
         )
 
 
-def in_steps(model: Model, params: Floats) -> tuple[NDArray[np.int16], Floats]:
-    """Return the steps (m, k) nearest to postures, and the parameters that they stand for."""
-    share = (params - model.lower) / (model.upper - model.lower)
-    q = np.rint(share * FULL_SCALE).astype(np.int16)
-    return q, model.at(q / FULL_SCALE)
-
-
 class Reader:
     """Anything that answers queries about a model's robot, in floats or, with `steps`, in integers.
 
@@ -102,9 +95,11 @@ class Reader:
             params, gravity = (one.astype(np.float32) for one in sample)
             near = Sample(params.astype(np.float64), gravity.astype(np.float64))
         else:
-            params, places = in_steps(self.model, sample.params)
+            low, high = self.model.lower, self.model.upper
+            share = (sample.params - low) / (high - low)
+            params = np.rint(share * FULL_SCALE).astype(np.int16)
             gravity = np.rint(sample.gravity * FULL_SCALE).astype(np.int16)
-            near = Sample(places, gravity.astype(np.float64))
+            near = Sample(self.model.at(params / FULL_SCALE), gravity.astype(np.float64))
         m, d = gravity.shape[:2]
         status, reading = self.read(np.repeat(params, d, axis=0), gravity.reshape(-1, 3))
         values = reading.astype(np.float64) if self.steps is None else in_units(reading, self.steps)

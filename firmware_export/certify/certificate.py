@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from firmware_export.certify import attack
 from firmware_export.certify.answers import Reader, Witness, numbers_of, span_of, statistics
-from firmware_export.certify.attack import climb, sdg_error, starts, worst_false_safe
-from firmware_export.certify.jumps import largest_jump
 from firmware_export.model import Cells, biased, uniform
 from firmware_export.quantity import ErrorBound
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 from lutgen.vector import Floats
 
 # Points of a certificate, half of them uniform and half where tables err most; starts of each half
@@ -92,11 +91,10 @@ class Certificate:
                 f", for one at parameters {np.round(params, 7).tolist()} and gravity "
                 f"{np.round(gravity, 7).tolist()}: {said:.3g} rad for {true:.3g}"
             )
-        raise ExportError(
-            f"{label}: the certificate found the robot called safe where it tips (got "
-            f"{self.false_safe} points{where}); nothing was written: this is a fault of the "
-            "codec's guard, choose another with --codec and report it."
-        )
+        fault = "nothing was written: this is a fault of the codec's guard"
+        way_out = f"{fault}, choose another with --codec and report it"
+        what = "the certificate found the robot called safe where it tips"
+        reject(label, what, f"{self.false_safe} points{where}", way_out, ExportError)
 
 
 def bounded(channels: Iterable[str]) -> tuple[str, ...]:
@@ -147,13 +145,13 @@ def certify(
     with ThreadPoolExecutor(1) as pool:
         near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
-        height = largest_jump(model)
+        height = attack.largest_jump(model)
         seen = [even, reader.measure(near.result())]
-        attacked = pool.submit(worst_false_safe, reader, seen, count, rounds, seed)
+        attacked = pool.submit(attack.worst_false_safe, reader, seen, count, rounds, seed)
         if "sdg" in channels:
-            begin = starts(seen, (sdg_error,), count)
-            worst = climb(reader, begin, sdg_error, rounds, seed)
-        attack = attacked.result()
+            begin = attack.starts(seen, (attack.sdg_error,), count)
+            worst = attack.climb(reader, begin, attack.sdg_error, rounds, seed)
+        nearest = attacked.result()
     table = {}
     for name in channels:
         every, span = statistics(seen, name), span_of(seen, name)
@@ -161,7 +159,7 @@ def certify(
             every["max"] = max(every["max"], float(worst.value.max(initial=0.0)))
         jumps = height > 0.0 and name != "tip_angle"
         table[name] = _entry(every, statistics([even], name), span, jumps)
-    searches = [search for search in (worst, attack) if search is not None]
+    searches = [search for search in (worst, nearest) if search is not None]
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
     has_sdg, text = "sdg" in channels, tuple[str, ...]()
     beyond = _beyond(even.errors("sdg"), bound, table["sdg"]["range"]) if has_sdg else None
@@ -176,7 +174,7 @@ def certify(
         false_tip=even.false_tip,
         jumps=height > 0.0,
         beyond=beyond,
-        nearest=-float(attack.value.max(initial=-np.inf)),
+        nearest=-float(nearest.value.max(initial=-np.inf)),
         searched=sum(search.points for search in searches),
         seed=seed,
         text=text,

@@ -4,7 +4,6 @@ The links of a recipe are multiplied out once, so that the runtime only adds up 
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -161,9 +160,3 @@ def closed_form(recipe: Recipe) -> Closed:
         axes.append(None)
         shares.append(mass / (total or 1.0))
     return Closed(tuple(centres), tuple(axes), com, tuple(shares))
-
-
-def factors_of(sums: Iterable[Sum]) -> list[Factor]:
-    """Return the factors that occur, angles first: sorted, each once."""
-    found = {factor for one in sums for monomial in one.terms for factor in monomial}
-    return sorted(found, key=lambda factor: (factor[0] == "t", factor[1], factor[2], factor[0]))

@@ -6,6 +6,7 @@ without room for an arc of the boundary the pose fails: all of that is safe.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple, Self
@@ -19,7 +20,7 @@ from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
 from firmware_export.model import Cells, Model, rounds
-from firmware_export.protocol import CBody, Channels, Codec, Export, describe
+from firmware_export.protocol import CArray, CBody, Channels, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
@@ -123,7 +124,7 @@ class Tables(AnyTables):
         macros += [("SMAP_SERIES", 1)] * isinstance(terms, Series)
         if three is not None:
             thresholds = (three.lowest, three.steepest, three.rest_width)
-            arrays = terms.arrays(three.code, thresholds, ())
+            arrays = self._arrays(three.code, thresholds, ())
             return CBody(POINTS, arrays, 3, tuple(macros), POSE, step)
         assert many is not None
         contacts, tracks = len(many.order), len(many.first) - 1
@@ -136,8 +137,24 @@ class Tables(AnyTables):
             ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
         ]
         codec = RAILS if tracks else SEARCH
-        arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room))
+        arrays = self._arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room))
         return CBody(codec, arrays, contacts, tuple(macros), (both, whole), step, swept=swept)
+
+    def _arrays(
+        self, order: int, limits: Sequence[float], many: Sequence[CArray]
+    ) -> tuple[CArray, ...]:
+        """Return the codec's part of a blob; `many` is what the codec for many contacts adds."""
+        sizes, terms, flags = self.terms.head()
+        more = sum(array.bytes for array in many)
+        return (
+            CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
+            CArray("terms", "uint16_t", [terms], "terms", False),
+            CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
+            CArray("limits", "float", limits, "lowest, steepest, least width of a facet", False),
+            CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
+            *many,
+            *self.terms.arrays(),
+        )
 
     def guarded(self, guard: float) -> Self | None:
         """Return tables of many contacts with a larger guard (rad); None for three points.
@@ -146,9 +163,8 @@ class Tables(AnyTables):
         """
         if self.many is None:
             return None
-        text, sine = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}", math.sin(guard)
-        numbers = (*self.many.numbers[:-1], sine)
-        many = self.many._replace(guard=sine, text=text, numbers=numbers)
+        text = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}"
+        many = self.many._replace(guard=math.sin(guard), text=text)
         return replace(self, many=many, guard=guard, guard_text=text)
 
     def cells(self, model: Model) -> Cells:
@@ -208,9 +224,8 @@ def off_of(model: Model, spec: Spec, terms: Series) -> float:
     """Return how far (length) series are off in C, at most; refuse more than was requested."""
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
-    three = Three(0, 0.0, 0.0, 0.0, 0.0, "") if model.is_tripod else None
     many = Many(order, (0,), (0.0, 1.0), (), (), 0.0, "")
-    blank = Tables(spec, terms, three, many, LIMITS, 1.0, 0.0, "")
+    blank = Tables(spec, terms, None, many, LIMITS, 1.0, 0.0, "")
     off = most_off(model, _host(model, blank), order, terms.knots)
     if off > MOST_OFF * error:
         raise InputError(

@@ -103,8 +103,8 @@ class Many(NamedTuple):
 
     `order` of the shown contacts: rail by rail; `first` contact of each rail, and how many there
     are, or how many axles swing; `axis`, level, of all discs; `numbers` in the order of the
-    runtime's struct, behind the axis; `more`, what series alter there; `guard`, the sine that is
-    taken off every distance, and a sentence about it.
+    runtime's struct, between the axis and the `guard`, the sine that is taken off every distance,
+    with a sentence about it; `more`, what series alter.
     """
 
     order: tuple[int, ...]
@@ -117,7 +117,7 @@ class Many(NamedTuple):
 
     def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
         """Return what the codec adds to positions, in the order of runtime/smap_pose.h."""
-        singles = [*self.axis, *self.numbers, *self.more]
+        singles = [*self.axis, *self.numbers, self.guard, *self.more]
         tracks = [len(self.first) - 1, *self.first]
         return (
             CArray("axis and limits", "float", singles, "see smap_limits_t", False),
@@ -261,7 +261,6 @@ def many_of(model: Model, off: float = 0.0) -> Many:
         accept.rest_width * (1.0 + HAIR) + HAIR * size + 2.0 * off,
         max(accept.contact_tolerance - 0.1 * HAIR * size - ROLLS * off, 0.0),
         2.0 * math.sin(0.5 * min(accept.rock_angle, FURTHEST)) - HAIR - 2.0 * turn,
-        guard,
     )
     more = (ROLLS * off / size, 2.0 * turn)
     return Many(order, tuple(first), axis, numbers, more, guard, text)

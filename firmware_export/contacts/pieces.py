@@ -102,7 +102,9 @@ def _cut(box: Model, place: Place, axis: int, error: float) -> tuple[Floats, int
         if length <= MOST_LENGTH[box.k]:
             longest = max(longest, length)
             continue
-        jump, where = _jump(low, high, line)
+        # On ever shorter stretches a continuous function changes by hardly anything at last.
+        begin, change = _zoom(low, high - low, line, 1, JUMP_ZOOMS)
+        jump, where = change[-1].max(), begin[change[-1].argmax()]
         if jump > JUMP * robot_size_of(box.recipe):
             name = box.recipe.parameters[axis].name
             raise InputError(
@@ -131,16 +133,6 @@ def _zoom(low: float, width: float, line: Line, order: int, times: int) -> tuple
         most.append(change.max(axis=0))
         width *= order / (PLACES - 1)
     return begin, np.array(most)
-
-
-def _jump(low: float, high: float, line: Line) -> tuple[float, float]:
-    """Return by how much a coordinate jumps between two places, and where.
-
-    A continuous function changes by less and less on shorter stretches, at last hardly at all.
-    """
-    begin, change = _zoom(low, high - low, line, 1, JUMP_ZOOMS)
-    most = int(change[-1].argmax())
-    return float(change[-1, most]), float(begin[most])
 
 
 def _break(low: float, high: float, line: Line) -> float:

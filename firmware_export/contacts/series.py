@@ -10,14 +10,14 @@ holds for all that a grid as dense can show.  Ends, cuts and random postures are
 """
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.contacts.pieces import MOST_PARAMETERS, pieces_of
-from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products, head
+from firmware_export.contacts.terms import COMMON, MOST_ENTRIES, Products
 from firmware_export.host import Host
 from firmware_export.model import Model, combinations, widened
 from firmware_export.protocol import CArray
@@ -70,19 +70,12 @@ class Series:
         """How many coordinates the runtime computes."""
         return 3 * (len(self.masks) - self.common)
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of the parts that grow with the error requested."""
-        return sum(array.bytes for array in self._own())
+    def head(self) -> tuple[list[int], int, int]:
+        """Return nothing of what closed forms count, and flags; see `Terms.head`."""
+        return [0] * 4, 0, BY_SERIES | COMMON * self.common | WIDE * (self.code_bytes == 3)
 
-    def arrays(
-        self, order: int, thresholds: Sequence[float], many: Sequence[CArray]
-    ) -> tuple[CArray, ...]:
-        """Return the codec's part of a blob; see `Terms.arrays`."""
-        flags = BY_SERIES | COMMON * self.common | WIDE * (self.code_bytes == 3)
-        return (*head([0] * 4, 0, (flags, order), thresholds, many), *self._own())
-
-    def _own(self) -> Iterator[CArray]:
+    def arrays(self) -> Iterator[CArray]:
+        """Yield the tables."""
         axes = [(len(one) - 1, n) for one, n in zip(self.knots, self.degrees, strict=True)]
         knots = [(a, 2.0 / (b - a)) for one in self.knots for a, b in itertools.pairwise(one)]
         yield CArray("unit", "float", [self.unit], "length of one code", False)
@@ -117,7 +110,8 @@ def series_of(model: Model, order: tuple[int, ...], error: float) -> Series:
     if np.ptp(com, axis=0).max() <= 1e-9 * robot_size_of(model.recipe):
         return plain
     # All contacts share a com that moves; both are off by half as much.
-    return min(plain, _tables(model, order, 0.5 * error, True), key=lambda one: one.bytes)
+    both = plain, _tables(model, order, 0.5 * error, True)
+    return min(both, key=lambda one: sum(array.bytes for array in one.arrays()))
 
 
 def _tables(model: Model, order: tuple[int, ...], error: float, common: bool) -> Series:

@@ -4,12 +4,12 @@ The layout is that of runtime/smap_joints.h.  This also bounds how far single pr
 contact.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_export.contacts.closed import Sum, closed_form, factors_of
+from firmware_export.contacts.closed import Sum, closed_form
 from firmware_export.model import sensor_tolerance
 from firmware_export.protocol import CArray
 from lutgen.errors import InputError
@@ -64,52 +64,29 @@ class Terms:
         """How many coordinates the runtime computes."""
         return len(self.coordinates)
 
-    def arrays(
-        self, order: int, thresholds: Sequence[float], many: Sequence[CArray]
-    ) -> tuple[CArray, ...]:
-        """Return the codec's part of a blob.
-
-        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the
-        least width of a facet, `many` what the codec for many contacts adds.
-        """
-        terms = [term for coordinate in self.coordinates for term in coordinate]
+    def head(self) -> tuple[list[int], int, int]:
+        """Return how many angles, travels, products and axes there are, and terms, and flags."""
         rated, round_ = any(rate != 1.0 for _, rate in self.angles), bool(self.radii.any())
         flags = COMMON * self.common | RATED * rated | ROUND * round_ | NEAR * self.near
-        radii: Sequence[float] | Floats = self.radii if round_ else []
         sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
-        rates = [rate for _, rate in self.angles] if rated else []
+        return sizes, sum(map(len, self.coordinates)), flags
+
+    def arrays(self) -> Iterator[CArray]:
+        """Yield the tables."""
+        terms = [term for coordinate in self.coordinates for term in coordinate]
+        _, _, flags = self.head()
+        radii: Sequence[float] | Floats = self.radii if flags & ROUND else []
+        rates = [rate for _, rate in self.angles] if flags & RATED else []
         joints = [parameter for parameter, _ in self.angles] + list(self.travels)
-        weights, counts = [weight for weight, _ in terms], [len(one) for one in self.coordinates]
-        return (
-            *head(sizes, len(terms), (flags, order), thresholds, many),
-            CArray("weights", "float", weights, "weight of each term, length"),
-            CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
-            CArray("radii", "float", radii, "radius of each contact"),
-            CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
-            CArray("products", "uint8_t", self.products, "pairs of entries"),
-            CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
-            CArray("counts", "uint8_t", counts, "terms of each coordinate"),
-            CArray("entries", "uint8_t", [entry for _, entry in terms], "entry of each term"),
-        )
-
-
-def head(
-    sizes: Sequence[int],
-    terms: int,
-    flags: tuple[int, int],
-    thresholds: Sequence[float],
-    many: Sequence[CArray],
-) -> tuple[CArray, ...]:
-    """Return what the codec's part of a blob begins with; see `Terms.arrays`."""
-    more = sum(array.bytes for array in many)
-    return (
-        CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
-        CArray("terms", "uint16_t", [terms], "terms", False),
-        CArray("flags", "uint8_t", flags, "flags, order of the contacts", False),
-        CArray("limits", "float", thresholds, "lowest, steepest, least width of a facet", False),
-        CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
-        *many,
-    )
+        axis_of, counts = self.axis_of if self.axes else [], [len(one) for one in self.coordinates]
+        yield CArray("weights", "float", [one for one, _ in terms], "weight of each term, length")
+        yield CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter")
+        yield CArray("radii", "float", radii, "radius of each contact")
+        yield CArray("joints", "uint8_t", joints, "parameter of each angle and travel")
+        yield CArray("products", "uint8_t", self.products, "pairs of entries")
+        yield CArray("axes", "uint8_t", axis_of, "axis of each contact")
+        yield CArray("counts", "uint8_t", counts, "terms of each coordinate")
+        yield CArray("entries", "uint8_t", [entry for _, entry in terms], "entry of each term")
 
 
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
@@ -132,7 +109,8 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool
         for one, scale in zip([*vectors, *axes], scales, strict=True)
     ]
     sums = [Sum({m: v for m, v in one.items() if v.any()}) for one in kept]
-    factors = factors_of(sums)
+    found = {factor for one in sums for monomial in one.terms for factor in monomial}
+    factors = sorted(found, key=lambda one: (one[0] == "t", one[1], one[2], one[0]))
     angles = list(dict.fromkeys((p, rate) for kind, p, rate in factors if kind != "t"))
     travels = [p for kind, p, _ in factors if kind == "t"]
     names = [(kind, p, rate) for p, rate in angles for kind in "sc"]

@@ -79,13 +79,13 @@ def report(export: Export) -> dict[str, Any]:
                 "macro": name,
                 "unit": parameter.unit,
                 "display_unit": parameter.display_unit,
-                "min": low,
-                "max": high,
+                "min": parameter.minimum,
+                "max": parameter.maximum,
                 "slack": None if turns(model, index) else sensor_tolerance(parameter),
                 "meaning": _movement(parameter, recipe),
             }
-            for index, (parameter, name, low, high) in enumerate(
-                zip(recipe.parameters, axis_macros(export), model.lower, model.upper, strict=True)
+            for index, (parameter, name) in enumerate(
+                zip(recipe.parameters, axis_macros(export), strict=True)
             )
         ],
         "chart": {

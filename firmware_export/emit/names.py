@@ -2,13 +2,13 @@
 
 import re
 
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 
 # C99 distinguishes external names by their first 31 characters only.
 LONGEST = 31
 
 # C99 to C23, then what C++ adds.
-_KEYWORDS = """
+KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline
     int long register restrict return short signed sizeof static struct switch typedef union
     unsigned void volatile while alignas alignof bool constexpr false nullptr static_assert
@@ -21,15 +21,13 @@ _KEYWORDS = """
 """
 # Names in any case that every C library, compilers or the headers of Arduino define.  The trial
 # compilation refuses all others that the C library of this machine has.
-_TAKEN = """
+TAKEN = """
     main errno null nan infinity eof stdin stdout stderr assert offsetof abort exit malloc free
     memcpy memmove memset memcmp printf puts read write open close link index time log gamma y0 pow
     setup loop arduino serial wire spi eeprom servo stream print high low input output pi bit byte
     word map min max abs round sq delay millis f_cpu digitalread digitalwrite
     linux unix i386 arm avr mips riscv esp32 esp8266
 """
-KEYWORDS = frozenset(_KEYWORDS.split())
-TAKEN = frozenset(_TAKEN.split())
 
 
 def _fault(name: str) -> str | None:
@@ -42,9 +40,9 @@ def _fault(name: str) -> str | None:
         return "has two underscores in a row, which C++ reserves"
     if name.lower().startswith("smap"):
         return "starts with smap, which the runtime uses"
-    if name in KEYWORDS:
+    if name in KEYWORDS.split():
         return "is a keyword of C or C++"
-    if name.lower() in TAKEN:
+    if name.lower() in TAKEN.split():
         return "is taken by C libraries, compilers or Arduino"
     if re.search(r"_t$|_pose(_i)?$|_state$|_control$", name.lower()):
         return "ends like a type of C or a part of the export"
@@ -57,10 +55,8 @@ def check_name(name: str) -> str:
     """Return a name that an export may have; refuse any other."""
     fault = _fault(name)
     if fault is not None:
-        raise InputError(
-            f"export name: {name!r} {fault} (got {name!r}); give another, such as "
-            f"--name {default_name(name)}."
-        )
+        way_out = f"give another, such as --name {default_name(name)}"
+        reject("export name", f"{name!r} {fault}", repr(name), way_out, InputError)
     return name
 
 

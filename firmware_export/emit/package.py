@@ -1,61 +1,56 @@
-"""Write the folder of an export, whole or not at all, and read its report back.
+"""Write the folder of an export, compiled and run first, whole or not at all; read its report.
 
 NAME_report.json marks the folder of an export, and lists its files.
 """
 
 import json
 import os
+import shlex
 import shutil
+import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from firmware_export.emit.facts import FORMAT, MARKER, report
 from firmware_export.emit.names import check_name
 from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import runtime_file
-from firmware_export.emit.trial import try_out
 from firmware_export.protocol import Export, describe, stored
 from lutgen import bounds
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 from lutgen.files import digest as file_digest
 
 SUFFIX = "_report.json"
 # The key of the report under which each other file has its SHA-256.
 DIGESTS = "sha256"
+# What to do about a folder that holds something else.
+BESIDE = "name an empty folder, remove it, or pass --force to write beside it"
+OVER = "name another folder, or pass --force to write over it"
 
 
 def load_report(directory: Path) -> dict[str, Any]:
     """Return the report of an export folder; refuse any other folder, and a damaged report."""
     found = sorted(path for path in directory.glob(f"*{SUFFIX}") if path.is_file())
     if len(found) != 1:
-        raise InputError(
-            f"{directory}: is no folder of `lutgen export` (got {len(found)} files "
-            f"*{SUFFIX}); name the folder that was given to -o."
-        )
+        got, way_out = f"{len(found)} files *{SUFFIX}", "name the folder that was given to -o"
+        reject(directory, "is no folder of `lutgen export`", got, way_out, InputError)
     path = found[0]
+    raw = bounds.read(str(path), bounds.REPORT_BYTES, InputError)
     try:
-        with path.open("rb") as file:
-            raw = file.read(bounds.REPORT_BYTES.most + 1)
-        bounds.check(len(raw), bounds.REPORT_BYTES, str(path), "export again")
         content: dict[str, Any] = json.loads(raw.decode("utf-8"))
         version = content[MARKER]
         known = {"name", "robot", "length_unit", "arithmetic", "channels", "files"} <= set(content)
         names = {str(parameter["name"]) for parameter in content["parameters"]}
         if version == FORMAT and not (known and len(names) == len(content["parameters"])):
             raise ValueError("keys are missing")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{path}: the report is damaged (got {type(error).__name__}: {error}); export again."
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        got = f"{type(error).__name__}: {error}"
+        reject(path, "the report is damaged", got, "export again", InputError)
     if version != FORMAT:
-        raise InputError(
-            f"{path}: is of another format (got {version!r}, this lutgen knows {FORMAT}); "
-            "export again."
-        )
+        got = f"{version!r}, this lutgen knows {FORMAT}"
+        reject(path, "is of another format", got, "export again", InputError)
     return content
 
 
@@ -123,44 +118,33 @@ def check_directory(
     path = Path(directory)
     try:
         if path.is_symlink():
-            raise InputError(
-                f"{path}: is a link (got one to {path.readlink()}); name the folder that it "
-                "leads to."
-            )
+            way_out = "name the folder that it leads to"
+            reject(path, "is a link", f"one to {path.readlink()}", way_out, InputError)
         if not path.exists():
-            if not path.absolute().parent.is_dir():
-                raise InputError(
-                    f"{path}: its folder does not exist (got {path.absolute().parent.name!r}); "
-                    "make it first."
-                )
+            above = path.absolute().parent
+            if not above.is_dir():
+                what = "its folder does not exist"
+                reject(path, what, repr(above.name), "make it first", InputError)
             return path
         if not path.is_dir():
-            raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
+            reject(path, "is no folder", "a file", "name a folder for the export", InputError)
         listed, robots = _listed(path)
         for name in _held(path):
             if (path / name).is_symlink():
-                raise InputError(
-                    f"{path}: holds a link, which is not of an export (got {name!r}); remove it."
-                )
+                what = "holds a link, which is not of an export"
+                reject(path, what, repr(name), "remove it", InputError)
             if not force and name not in listed:
-                raise InputError(
-                    f"{path}: holds a file that is not of an export (got {name!r}); "
-                    "name an empty folder, remove it, or pass --force to write beside it."
-                )
+                what = "holds a file that is not of an export"
+                reject(path, what, repr(name), BESIDE, InputError)
             known = listed.get(name)
             if not force and known and file_digest((path / name).read_bytes()) != known:
-                raise InputError(
-                    f"{path}: holds a file that was edited since it was exported (got {name!r}); "
-                    "name another folder, or pass --force to write over it."
-                )
+                what = "holds a file that was edited since it was exported"
+                reject(path, what, repr(name), OVER, InputError)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        _refuse_to_write(path, error)
     for other in robots:
         if robot not in (None, other) and not force:
-            raise InputError(
-                f"{path}: holds an export of the robot {other!r} (got {robot!r}); "
-                "name another folder, or pass --force to write over it."
-            )
+            reject(path, f"holds an export of the robot {other!r}", repr(robot), OVER, InputError)
     return path
 
 
@@ -197,15 +181,13 @@ def write(
                 shutil.copymode(stage / "examples", stage)
                 stage.rename(path)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        _refuse_to_write(path, error)
     return content
 
 
-def _unwritable(path: Path, error: OSError) -> ExportError:
-    return ExportError(
-        f"{path}: the export cannot be written (got {error.strerror or error}); "
-        "make room, or name a folder that is writable."
-    )
+def _refuse_to_write(path: Path, error: OSError) -> NoReturn:
+    what, way_out = "the export cannot be written", "make room, or name a folder that is writable"
+    reject(path, what, error.strerror or error, way_out, ExportError)
 
 
 def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:
@@ -221,3 +203,71 @@ def _replace(path: Path, stage: Path, files: dict[str, bytes]) -> None:
             if parent == path or any(parent.iterdir()):
                 break
             parent.rmdir()
+
+
+# Not optimised, which takes half as long.
+FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", "-I.")
+PATIENCE = 300.0
+EXAMPLES = ("read", "alarm", "control")
+# It links if the C library has the name: a map would take the place of what a library calls.
+PROBE = "void {0}(void);\nvoid (*volatile f)(void);\nint main(void) {{ f = {0}; return 0; }}\n"
+
+
+def compiler() -> list[str] | None:
+    """Return the words that call the C compiler of this machine, or None."""
+    chosen = shlex.split(os.environ.get("CC", ""))
+    names = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
+    return next((words for words in names if shutil.which(words[0])), None)
+
+
+def try_out(files: Mapping[str, bytes], name: str) -> str:
+    """Compile and run the files of an export; return a sentence for people.
+
+    ExportError is raised if it does not compile, its examples do not run, or there is no room.
+    """
+    words = compiler()
+    if words is None:
+        return "not compiled: there is no C compiler here"
+    with tempfile.TemporaryDirectory(prefix="lutgen-") as place:
+        folder = Path(place)
+        sources = {file: text for file, text in files.items() if file.endswith((".c", ".h"))}
+        try:
+            for file, text in (sources | {"_probe.c": PROBE.format(name).encode()}).items():
+                (folder / file).parent.mkdir(parents=True, exist_ok=True)
+                (folder / file).write_bytes(text)
+        except OSError as error:
+            got = f"{error.strerror or error} in {folder.parent}"
+            way_out = "make room there, or set TMPDIR to a folder that has"
+            reject(name, "what was written cannot be tried", got, way_out, ExportError)
+        probe = ["-w", "-fno-builtin", "_probe.c", "-lm", "-o", "_probe"]
+        if _run([*words, *probe], folder, name).returncode == 0:
+            what = "the C library of this machine has a function of this name"
+            way_out = f"give another, such as --name {name}_map"
+            reject(name, what, repr(name), way_out, ExportError)
+        _demand([*words, *FLAGS, "-c", f"{name}.c", "-o", "map.o"], folder, name)
+        for example in (one for one in EXAMPLES if f"examples/{one}.c" in files):
+            program = str(folder / f"{example}.run")
+            _demand([*words, *FLAGS, "map.o", f"examples/{example}.c", "-o", program], folder, name)
+            _demand([program], folder, name)
+    return f"compiled and run with {' '.join(words)}"
+
+
+def _demand(arguments: list[str], folder: Path, name: str) -> None:
+    """Run a program; refuse the export if it does not end well."""
+    done = _run(arguments, folder, name)
+    if done.returncode:
+        lines = done.stderr.splitlines()
+        said = next((line for line in lines if "error" in line), next(iter(lines), "nothing"))
+        what, got = "what was written does not compile or run", Path(arguments[0]).name
+        way_out = "give another --name, or report this"
+        reject(name, what, f"{said.strip()!r} of {got}", way_out, ExportError)
+
+
+def _run(arguments: list[str], folder: Path, name: str) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run(
+            arguments, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        what, way_out = "what was written cannot be tried", "set CC to a C compiler that works"
+        reject(name, what, f"{type(error).__name__} of {arguments[0]}", way_out, ExportError)

@@ -2,7 +2,9 @@
 
 import json
 import math
-from collections.abc import Iterator
+import re
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -11,7 +13,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from firmware_export.emit import facts
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import LICENCE, control_text, runtime_text
-from firmware_export.emit.text import block_comment, bytes_array, columns, defines, plain_text
 from firmware_export.host import family_of
 from firmware_export.protocol import Export, describe, literal, turns
 from lutgen._version import __version__
@@ -76,14 +77,10 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         undefined=StrictUndefined,
     )
-    filters = (block_comment, columns, defines, facts.bytes_text, facts.chart_text, facts.escaped)
-    made.filters |= {one.__name__: one for one in (*filters, facts.number, facts.share)}
-    made.filters |= {
-        "json": json.dumps,
-        "literal": literal,
-        "middle": _middle,
-        "posture": _posture,
-    }
+    filters: list[Callable[..., Any]] = [block_comment, columns, defines, json.dumps, literal]
+    filters += [middle, posture, facts.bytes_text, facts.chart_text, facts.escaped]
+    filters += [facts.number, facts.share]
+    made.filters |= {one.__name__: one for one in filters}
     made.globals |= {"FALSE_TIP": facts.FALSE_TIP, "COST": COST}
     made.globals |= {"licence": LICENCE, "statuses": STATUSES}
     return made
@@ -92,8 +89,7 @@ def _environment() -> Environment:
 def _context(content: dict[str, Any]) -> dict[str, Any]:
     """Return the report, and what the templates make of it."""
     numbers = [int(part) for part in __version__.split("+")[0].split(".") if part.isdigit()]
-    policy, pose = content["policy"] or {}, content["pose"]
-    cycle = float(policy.get("cycle_s", 0.02))
+    pose, policy = content["pose"], content["policy"]
     integer, stem = content["arithmetic"] == "integer", macro(content["name"])
     sizes, unit = content["bytes"], content["length_unit"]
     pose_bytes = 4 * pose["integer" if integer else "both"] + 4
@@ -138,22 +134,18 @@ def _context(content: dict[str, Any]) -> dict[str, Any]:
             )
             for channel, step in content["steps"].items()
         ],
-        "joints": ", ".join(f'"{p["name"]}"' for p in content["parameters"]),
-        "home": ", ".join(literal(value) for value in policy.get("home", ())),
-        "cycle": literal(cycle),
-        "period": repr(cycle),
-        "milliseconds": max(1, math.floor(1000.0 * cycle + 0.5)),
+        "milliseconds": max(1, math.floor(1000.0 * policy["cycle_s"] + 0.5)) if policy else None,
     }
 
 
-def _middle(parameter: dict[str, Any]) -> float:
+def middle(parameter: dict[str, Any]) -> float:
     """Return the middle of an axis."""
     return float(0.5 * (parameter["min"] + parameter["max"]))
 
 
-def _posture(parameter: dict[str, Any]) -> str:
+def posture(parameter: dict[str, Any]) -> str:
     """Return the middle of an axis as people write it."""
-    value, unit = _middle(parameter), parameter["display_unit"]
+    value, unit = middle(parameter), parameter["display_unit"]
     shown = math.degrees(value) if unit == "deg" else value
     unit = "" if unit == "1" else f" {unit}"
     return plain_text(f"{parameter['name']:<13}{shown:.6g}{unit}".strip())
@@ -199,3 +191,59 @@ def _source(export: Export) -> dict[str, Any]:
         found["control"] = control_text(family)
         found["policy_text"] = bytes_array("SMAP_OWN_POLICY", packed, sections)
     return found
+
+
+# Lines of C have at most so many characters.
+WIDTH = 100
+
+
+def plain_text(text: str) -> str:
+    """Return a text that can stand in a comment of any compiler: ASCII, no comment marks."""
+    # A backslash at the end of a line would continue it, and ??/ is one for old compilers.
+    text = re.sub(r"[^ -~]", "?", text.replace("°", " deg").replace("\\", "/"))
+    return re.sub(r"\?(?=\?)", "? ", text).replace("*/", "* /").replace("/*", "/ *")
+
+
+def block_comment(text: str) -> str:
+    """Return lines as a comment; a long line is wrapped under its own indentation."""
+    out: list[str] = []
+    for number, line in enumerate(text.strip("\n").split("\n")):
+        margin = re.match(r" *", line)
+        rest = " " * (len(margin[0]) if margin else 0)
+        wrapped = textwrap.wrap(
+            plain_text(line),
+            WIDTH - 6,
+            subsequent_indent=rest + ("  " if rest else ""),
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        for part in wrapped or [""]:
+            out.append(f"{'/*' if not (number or out) else ' *'} {part}".rstrip())
+    return "\n".join(out) + "\n */"
+
+
+def columns(rows: Sequence[Sequence[str]], margin: str = "  ", gap: str = "  ") -> list[str]:
+    """Return rows with their columns under one another."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        margin + gap.join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def defines(rows: Sequence[tuple[str, str, str]]) -> list[str]:
+    """Return aligned #define lines of rows of name, value and comment."""
+    return columns([(n, v, f"/* {note} */") for n, v, note in rows], "#define ", " ")
+
+
+def bytes_array(name: str, packed: bytes, sections: Sequence[tuple[int, str]]) -> str:
+    """Return bytes as C, each section behind a comment that says what it is."""
+    ends = [at for at, _ in sections[1:]] + [len(packed)]
+    lines = [f"const SMAP_FLASH uint8_t {name}[{len(packed)}] = {{"]
+    fit = (WIDTH - 2) // 4
+    for (begin, meaning), end in zip(sections, ends, strict=True):
+        said = textwrap.wrap(f"{begin} {meaning}", WIDTH - 6)
+        lines += [f"  /* {plain_text(part)} */" for part in said]
+        for at in range(begin, end, fit):
+            lines.append(f"  {','.join(map(str, packed[at : min(at + fit, end)]))},")
+    return "\n".join([*lines, "};"])

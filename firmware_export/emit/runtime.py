@@ -8,7 +8,7 @@ import re
 from functools import cache
 from importlib.resources import files
 
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 
 # The licence's lines on top of every C file.
 LICENCE = "/* SPDX-License-Identifier: MIT\n * Copyright (c) The lutgen authors */\n"
@@ -22,9 +22,8 @@ def runtime_file(name: str) -> str:
     try:
         return (files("firmware_export") / "runtime" / name).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise ExportError(
-            f"{name}: this file of the runtime cannot be read (got {error}); install lutgen again."
-        ) from error
+        what = "this file of the runtime cannot be read"
+        reject(name, what, error, "install lutgen again", ExportError)
 
 
 @cache

@@ -44,21 +44,21 @@ def family_row(family: str, macros: Mapping[str, int]) -> dict[str, int]:
     return row
 
 
-def code_bytes(family: str) -> int:
-    """Return the most bytes of code that were measured of a family."""
-    return family_row(family, {})["code"]
-
-
-def _counted_row(export: Export) -> dict[str, Any]:
-    """Return the row of counts.json of this very export, empty if it was not counted."""
-    same = {
+def identity(export: Export) -> dict[str, Any]:
+    """Return what tells an export from all others."""
+    return {
         "recipe_sha256": export.recipe.digest,
         "spec": str(export.tables.spec.label),
         "arithmetic": export.arithmetic,
         "channels": list(export.channels),
+        "tables": export.body.bytes,
     }
-    rows = measured(COUNTS).values()
-    return next((row for row in rows if same.items() <= row["export"].items()), {})
+
+
+def _counted_row(export: Export) -> dict[str, Any]:
+    """Return the row of counts.json of this very export, empty if it was not counted."""
+    rows, own = measured(COUNTS).values(), identity(export)
+    return next((row for row in rows if row["export"] == own), {})
 
 
 def flash_bytes(export: Export) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Tables of the codec `grid`: of three contacts' positions, or trained over parameters and gravity.
 
-In reading order: `points`, `lookup`; `ground`, `train`, `fit`, `table`.
+In reading order: `lookup`; `ground`, `train`, `fit`, `table`.
 """
 
 from firmware_export.grid.lookup import INFO as LOOKUP

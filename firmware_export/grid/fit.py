@@ -19,20 +19,10 @@ from firmware_export.certify.answers import Reader
 from firmware_export.certify.attack import clearance, climb, starts
 from firmware_export.grid import train
 from firmware_export.grid.ground import WHOLE, Ground, bends, ground_of, spread_knots
-from firmware_export.grid.train import (
-    GUARD,
-    LARGEST,
-    MOST,
-    SCALE,
-    SQUARES,
-    STANDS,
-    Course,
-    Lattice,
-    Points,
-)
+from firmware_export.grid.train import Course, Lattice, Points
 from firmware_export.model import Model, Sample, biased, on_chart, uniform, uniform_directions
 from lutgen.arrays import Floats, Singles
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, reject
 from lutgen.support import TIPS
 
 # Points of the sample; directions of a posture, postures that share them.
@@ -81,7 +71,7 @@ class Lesson:
         weight, blocks = self.bend.mean(axis=1), int(self.block.max(initial=0)) + 1
 
         def fits(shape: Sequence[int]) -> bool:
-            return blocks * math.prod(shape) + 2 * sum(shape) <= size and max(shape) < LARGEST
+            return blocks * math.prod(shape) + 2 * sum(shape) <= size and max(shape) < train.LARGEST
 
         shape = [FEWEST] * len(weight)
         while able := [
@@ -103,8 +93,8 @@ class Lesson:
 
 def aims(tip: Floats) -> Singles:
     """Return the codes of tip angles (rad): 0 where the robot tips."""
-    sine = np.sin(np.clip(tip, 0.0, math.asin((MOST - STANDS) / SCALE)))
-    return np.where(tip < 0.0, 0.0, STANDS + SCALE * sine).astype(np.float32)
+    sine = np.sin(np.clip(tip, 0.0, math.asin((train.MOST - train.STANDS) / train.SCALE)))
+    return np.where(tip < 0.0, 0.0, train.STANDS + train.SCALE * sine).astype(np.float32)
 
 
 @lru_cache(maxsize=1)
@@ -126,7 +116,7 @@ def learn(model: Model) -> Lesson:
     face, aim, sdg, height = (
         np.concatenate([one[at].ravel() for one in parts])[order] for at in range(1, 5)
     )
-    stands = aim >= STANDS
+    stands = aim >= train.STANDS
     chart = place[stands, -2:]
     low = np.maximum(np.floor(chart.min(axis=0)) - SPARE, 0.0).astype(np.float64)
     high = np.minimum(np.ceil(chart.max(axis=0)) + SPARE, WHOLE).astype(np.float64)
@@ -142,26 +132,25 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
     """Return the codes of the tip angle, whole numbers; refuse a robot beyond them."""
     nodes, rng = blocks * int(np.prod(lattice.nodes)), np.random.default_rng([SEED, 1])
     points, steps = lesson.points, round(STEPS * max(1.0, math.sqrt(nodes / 16_000)))
-    values = np.full(nodes, STANDS, np.float32)
+    values = np.full(nodes, train.STANDS, np.float32)
     first = Course(steps, RATE, train.FIRST, train.LAST, 0.0)
     values = train.descend(values, points, lattice, first, rng)
     for again in range(1, AGAIN + 1):
         train.lower(values, points, lattice, False, BELOW)
-        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, 2.0 * GUARD)
+        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, 2.0 * train.GUARD)
         values = train.descend(values, points, lattice, more, rng)
     train.lower(values, points, lattice, False, BELOW)
     values = np.rint(values).astype(np.float32)
     train.lower(values, points, lattice, True, BELOW)
-    some = points.some(JUDGED)
-    stands = some.aim >= STANDS
-    lost = float(np.mean(train.read(values, some, lattice)[stands] < STANDS))
+    some = Points(points.x[:JUDGED], points.block[:JUDGED], points.aim[:JUDGED])
+    stands = some.aim >= train.STANDS
+    lost = float(np.mean(train.read(values, some, lattice)[stands] < train.STANDS))
     if lost > USELESS:
-        source = lesson.ground.model.recipe.source
-        raise ExportError(
-            f"{source}: a table of {nodes:,} nodes would call {100.0 * lost:.3g} % of what stands "
-            f"unsafe, more than {100.0 * USELESS:.0f} % (got {lesson.ground.model.k} parameters); "
-            "choose the codec contacts, which computes where the contacts are."
-        )
+        model, most = lesson.ground.model, f"more than {100.0 * USELESS:.0f} %"
+        share = f"{100.0 * lost:.3g} % of what stands unsafe, {most}"
+        what = f"a table of {nodes:,} nodes would call {share}"
+        way_out = "choose the codec contacts, which computes where the contacts are"
+        reject(model.recipe.source, what, f"{model.k} parameters", way_out, ExportError)
     return values
 
 
@@ -169,11 +158,11 @@ def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tu
     """Return the codes of a length, whole numbers, and the length of one."""
     expected, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
     known = np.flatnonzero(np.isfinite(expected))
-    step = float(expected[known].max()) / LARGEST or 1.0
+    step = float(expected[known].max()) / train.LARGEST or 1.0
     x, block, _ = lesson.points
     points = Points(x[known], block[known], expected[known] / np.float32(step))
     values = np.full(blocks * int(np.prod(lattice.nodes)), points.aim.mean(), np.float32)
-    course = Course(STEPS_LENGTHS, RATE, SQUARES, SQUARES, 0.0)
+    course = Course(STEPS_LENGTHS, RATE, train.SQUARES, train.SQUARES, 0.0)
     values = train.descend(values, points, lattice, course, rng)
     return np.rint(values).astype(np.float32), step
 
@@ -231,8 +220,8 @@ def _reader(lesson: Lesson, lattice: Lattice, values: Singles) -> Reader:
     def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         points = _entered(lesson, params.astype(np.float64), gravity[:, None].astype(np.float64))
         code = train.read(values, points, lattice)
-        angle = np.arcsin((code - STANDS) / SCALE)
-        return np.where(code < STANDS, TIPS, 0), np.stack([angle] * 3, axis=1)
+        angle = np.arcsin((code - train.STANDS) / train.SCALE)
+        return np.where(code < train.STANDS, TIPS, 0), np.stack([angle] * 3, axis=1)
 
     return Reader(lesson.ground.model, read)
 

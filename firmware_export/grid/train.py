@@ -42,10 +42,6 @@ class Points(NamedTuple):
     block: NDArray[np.int8]
     aim: Singles
 
-    def some(self, count: int) -> "Points":
-        """Return the first of them."""
-        return Points(self.x[:count], self.block[:count], self.aim[:count])
-
 
 class Course(NamedTuple):
     """How codes are trained: `guard` is by how many a reading must be below the exact code.

@@ -3,7 +3,7 @@
 In reading order: `reader`, `control`.
 """
 
-from firmware_export.host.control import BLIND, ESCAPES, Controller, budget
+from firmware_export.host.control import Controller
 from firmware_export.host.reader import (
     FULL_SCALE,
     RUNTIME,

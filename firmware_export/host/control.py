@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.host.reader import call, stem_of
 from firmware_export.protocol import Blob
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 # smap_cycle_t.
@@ -18,8 +18,6 @@ CYCLE = np.dtype(
         *(("alarm", "u1"), ("move", "u1"), ("poses", "u1"), ("spare", "u1")),
     ]
 )
-# Two of smap_move_t.
-ESCAPES, BLIND = 3, 4
 
 
 class Controller:
@@ -33,10 +31,8 @@ class Controller:
 
     def __init__(self, blob: Blob, policy: bytes, robots: int = 1) -> None:
         if blob.integer:
-            raise InputError(
-                "on-board control needs a map that is read with floats (got one without); export "
-                "with --arithmetic float."
-            )
+            what, way_out = "needs a map that is read with floats", "export with --arithmetic float"
+            reject("on-board control", what, "one without", way_out, InputError)
         self.joints, self.robots = blob.params, robots
         # The C keeps their addresses.
         self._flash = [np.frombuffer(one, np.uint8) for one in (blob.bytes, policy)]
@@ -45,7 +41,7 @@ class Controller:
         call(f"{self._stem}control_sizes", sizes)
         self._both = np.zeros(-(-int(sizes[0]) // 8), np.uint64)
         self._words = -(-int(sizes[1]) // 8)
-        flash = (part for one in self._flash for part in _sized(one))
+        flash = (part for one in self._flash for part in (one, ctypes.c_uint32(len(one))))
         status = call(f"{self._stem}control", self._both, *flash)
         if status != 0:
             raise InputError(
@@ -90,24 +86,6 @@ class Controller:
         self._call("ground", len(rows), self._started(), rows, ups, slope, status)
         return slope.astype(np.float64), status
 
-    def target(self, slope: ArrayLike, desired: ArrayLike | None = None) -> NDArray[np.float32]:
-        """Return the postures (m, k) for slopes (m, 3), within the range around `desired`."""
-        slopes = np.ascontiguousarray(slope, np.float32)
-        target = np.zeros((len(slopes), self.joints), np.float32)
-        wanted = None if desired is None else self._rows(desired)
-        self._call("target", len(slopes), slopes, wanted, target)
-        return target
-
-    def transit(self, start: ArrayLike, end: ArrayLike, gravity: ArrayLike) -> NDArray[np.float32]:
-        """Return the certified least tip angle (m,), rad, of the ways between postures (m, k).
-
-        `gravity` (m, 3) is in the body frame at the start.
-        """
-        rows, ends = self._rows(start), self._rows(end)
-        downs, least = np.ascontiguousarray(gravity, np.float32), np.empty(len(rows), np.float32)
-        self._call("transit", len(rows), self._started(), rows, ends, downs, least)
-        return least
-
     def _started(self, robots: int = 1) -> NDArray[np.uint64]:
         """Return states of robots that begin."""
         states = np.zeros(robots * self._words, np.uint64)
@@ -126,25 +104,3 @@ class Controller:
     def _call(self, what: str, count: int, *arrays: NDArray[Any] | None) -> None:
         """Call a function of the library with map and policy, a count, and arrays."""
         call(self._stem + what, self._both, ctypes.c_int64(count), *arrays)
-
-
-def budget(
-    blob: Blob, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike, reads: int = 4
-) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
-    """Run smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
-
-    `params` (m, k) are rad or length; `gravity` and `direction` (m, 3) down and where the robot
-    accelerates, in the body frame, of any length > 0; `reads` are the reads of the map for each.
-    """
-    rows = np.ascontiguousarray(params, np.float32)
-    downs = np.ascontiguousarray(gravity, np.float32)
-    toward = np.ascontiguousarray(direction, np.float32)
-    found, status = np.empty(len(rows), np.float32), np.empty(len(rows), np.int8)
-    map_ = _sized(np.frombuffer(blob.bytes, np.uint8))
-    given = (ctypes.c_int64(len(rows)), rows, downs, toward, ctypes.c_uint8(reads), found, status)
-    call(f"{stem_of(blob)}budget", *map_, *given)
-    return found, status
-
-
-def _sized(array: NDArray[Any]) -> tuple[NDArray[Any], ctypes.c_uint32]:
-    return array, ctypes.c_uint32(len(array))

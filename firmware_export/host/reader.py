@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.protocol import Blob
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError, InputError, reject
 from lutgen.vector import Floats
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
 NAME = "_host.abi3.so"
 WAY_OUT = (
-    "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
+    "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)"
 )
 
 
@@ -31,24 +31,18 @@ WAY_OUT = (
 def load_library() -> ctypes.CDLL:
     """Return the library; ExportError is raised if it was not built, or from other files."""
     path = RUNTIME / NAME
-    if not path.is_file():
-        raise ExportError(
-            f"{RUNTIME}: the C runtime was not built for this machine (got no file {NAME}"
-            f"), so no export can be certified or read; {WAY_OUT}"
-        )
     try:
         loaded = ctypes.CDLL(str(path))
     except OSError as error:
-        raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
+        what = "the C runtime, which certifies and reads exports, cannot be loaded"
+        reject(path, what, error, WAY_OUT, ExportError)
     loaded.smap_points_host_sources.restype = ctypes.c_char_p
     built = loaded.smap_points_host_sources().decode("ascii")
     # As setup.py computes it.
     files = sorted(RUNTIME.glob("*.[ch]"))
     if built != hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest():
-        raise ExportError(
-            f"{path}: was built from other files than those beside it (got the digest "
-            f"{built[:12]}); {WAY_OUT}"
-        )
+        what = "was built from other files than those beside it"
+        reject(path, what, f"the digest {built[:12]}", WAY_OUT, ExportError)
     return loaded
 
 
@@ -66,13 +60,8 @@ def call(name: str, *given: Any) -> int:
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
 PIECE = 4096
 # smap_reading_t and smap_reading_i_t.
-READING = np.dtype(
-    {
-        "names": ["sdg", "tip_angle", "height", "over"],
-        "formats": ["<f4", "<f4", "<f4", ("u1", 2)],
-        "itemsize": 16,
-    }
-)
+SINGLES = [(name, "<f4") for name in ("sdg", "tip_angle", "height")]
+READING = np.dtype([*SINGLES, ("over", "u1", 2)], align=True)
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
 # Status codes with which the robot is said not to tip: it stands, or rocks between rests.
 STANDS = (0, 1)
@@ -133,20 +122,6 @@ class Host:
         status, reading = self.ask("read_i", params_q, gravity_q)
         columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
         return status, np.stack(columns, axis=1)
-
-    def at(
-        self, params: ArrayLike, gravity: ArrayLike, integer: bool = False
-    ) -> tuple[int, NDArray[np.int8], NDArray[Any]]:
-        """Make one pose of params (k,) and run smap_at, or smap_at_i, on gravity (m, 3).
-
-        Returns the status of smap_pose, and status (m,) and reading (m,) of each direction.
-        """
-        row = np.ascontiguousarray(params, np.float32)
-        downs = np.ascontiguousarray(gravity, np.int16 if integer else np.float32)
-        status = np.empty(len(downs), np.int8)
-        reading = np.empty(len(downs), READING_I if integer else READING)
-        made = self._call("at_i" if integer else "at", len(downs), row, downs, status, reading)
-        return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.uint8]:
         """Return the most of each that poses of postures (m, k) have; see smap_host_region.h."""

@@ -1,6 +1,6 @@
 """The reference of an export: exact answers, and where they are taken.
 
-In reading order: `model`, `crossing`, `sample`, `rest`.
+In reading order: `exact`, `crossing`, `sample`, `rest`.
 """
 
 from firmware_export.model.crossing import cross_boundary, unit
@@ -10,7 +10,6 @@ from firmware_export.model.sample import (
     Cells,
     Sample,
     biased,
-    join,
     on_chart,
     uniform,
     uniform_directions,

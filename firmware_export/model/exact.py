@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,6 +39,7 @@ class Exact(NamedTuple):
 class Model:
     """The robot of a recipe with its box (rad or length) and chart.
 
+    `radius` (n,) and `kind` (n,) are of its contacts: 0 for points; 1 sphere, 2 disc.
     `chart_limit` is the largest |u| and |v|: tan(max_tilt), or 1 for the sphere of 6 faces.
     """
 
@@ -47,18 +48,9 @@ class Model:
         self.lower = np.array([p.minimum for p in recipe.parameters], dtype=np.float64)
         self.upper = np.array([p.maximum for p in recipe.parameters], dtype=np.float64)
         self.k = len(recipe.parameters)
+        self.radius, self.kind = radii_and_kinds(recipe)
         self.faces = recipe.chart.faces
         self.chart_limit = math.tan(recipe.chart.max_tilt) if recipe.chart.kind == "cone" else 1.0
-
-    @cached_property
-    def radius(self) -> Floats:
-        """Radii of the contacts (n,), 0 for points."""
-        return radii_and_kinds(self.recipe)[0]
-
-    @cached_property
-    def kind(self) -> NDArray[np.int64]:
-        """Kinds of the contacts (n,): 0 point, 1 sphere, 2 disc."""
-        return radii_and_kinds(self.recipe)[1]
 
     @property
     def is_tripod(self) -> bool:

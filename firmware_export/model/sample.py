@@ -7,7 +7,6 @@ sides of the tip-over boundary.  The same seed gives the same points.
 
 import itertools
 import math
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -146,14 +145,6 @@ def per_posture(model: Model) -> int:
     return FEW if model.is_tripod else MANY
 
 
-def join(samples: Sequence[Sample]) -> Sample:
-    """Return the points of several samples with equally many directions per posture."""
-    return Sample(
-        np.concatenate([sample.params for sample in samples]),
-        np.concatenate([sample.gravity for sample in samples]),
-    )
-
-
 def _spread(rng: np.random.Generator, count: int, dimensions: int) -> Floats:
     """Return points (count, dimensions) spread over the unit cube: a randomly shifted lattice.
 
@@ -259,7 +250,8 @@ def biased(model: Model, points: int, seed: int, cells: Cells | None = None) -> 
             for part, (before, after) in enumerate(itertools.pairwise(cuts))
             if before < after
         ]
-        return join([job.result() for job in jobs])
+        params, gravity = zip(*(job.result() for job in jobs), strict=True)
+    return Sample(np.concatenate(params), np.concatenate(gravity))
 
 
 def _biased_part(model: Model, m: int, seed: list[int], cells: Cells | None) -> Sample:

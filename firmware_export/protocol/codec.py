@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from firmware_export.model import Cells, Model
 from firmware_export.protocol.policy import Policy
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
@@ -31,19 +31,17 @@ class CArray:
 
     def __post_init__(self) -> None:
         found = np.asarray(self.values)
-        stored = found.astype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        kind = np.dtype("f4" if self.ctype == "float" else self.ctype.removesuffix("_t"))
+        stored = found.astype(kind.newbyteorder("<"))
         if not (np.isfinite(found).all() and (self.ctype == "float" or (stored == found).all())):
-            raise InputError(
-                f"table {self.name}: its values do not fit {self.ctype} (got {found.dtype}); "
-                "quantise them first."
-            )
+            what, way_out = f"its values do not fit {self.ctype}", "quantise them first"
+            reject(f"table {self.name}", what, found.dtype, way_out, InputError)
         object.__setattr__(self, "values", stored)
 
     @property
     def packed(self) -> bytes:
         """The values as they stand in flash, little-endian."""
-        stored = np.asarray(self.values)
-        return stored.astype(stored.dtype.newbyteorder("<")).tobytes()
+        return np.asarray(self.values).tobytes()
 
     @property
     def bytes(self) -> int:
@@ -109,11 +107,6 @@ class Tables(ABC):
     guard: float
     guard_text: str
     tested = False
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of all tables of numbers."""
-        return self.body(False).bytes
 
     @abstractmethod
     def body(self, integer: bool) -> CBody:

@@ -20,7 +20,7 @@ import numpy as np
 
 import lutgen
 from proofs.physics import agreement, braking, ground, holding, rocking, stopping, swinging
-from proofs.physics.page import MEASURED, page
+from targets.marks import MEASURED, between, markdown
 
 PAGE = MEASURED / "physics.md"
 # Each has `ROBOTS`, `tried`, which counts one of them, the `COLUMNS` of its table, of these those
@@ -59,10 +59,8 @@ def counts(pool: Pool, name: str, chunks: int) -> Counts:
 def table(name: str, found: Counts) -> str:
     """Return the table of a part as Markdown."""
     columns = PARTS[name].COLUMNS
-    lines = [f"| robots | {' | '.join(columns)} |", "|---" * (len(columns) + 1) + "|"]
-    for robot, one in found.items():
-        lines.append(f"| {robot} | {' | '.join(f'{one[column]:,}' for column in columns)} |")
-    return "\n".join(lines) + "\n"
+    rows = [[robot, *(f"{one[column]:,}" for column in columns)] for robot, one in found.items()]
+    return markdown(f"| robots | {' | '.join(columns)} |", rows)
 
 
 def missed(name: str, found: Counts) -> list[str]:
@@ -85,20 +83,18 @@ def main() -> int:
     if unknown := sorted(set(options.names) - set(PARTS)):
         parser.error(f"there is no part {', '.join(unknown)}; choose from {', '.join(PARTS)}")
     faults: list[str] = []
-    tables = {"run": f"Measured with MuJoCo {mujoco.__version__}, lutgen {lutgen.__version__}.\n"}
+    tables = {"run": f"Measured with MuJoCo {mujoco.__version__}, lutgen {lutgen.__version__}."}
     with get_context("spawn").Pool(2) as pool:
         for name in options.names or PARTS:
             began = time.monotonic()
             found = counts(pool, name, options.chunks or CHUNKS[name])
             tables[name] = table(name, found)
             faults += missed(name, found)
-            print(f"{name}\n{tables[name]}{time.monotonic() - began:.0f} s\n", flush=True)
-    print(tables["run"], end="")
+            print(f"{name}\n{tables[name]}\n{time.monotonic() - began:.0f} s\n", flush=True)
+    print(tables["run"])
     if options.update:
-        text = PAGE.read_text(encoding="utf-8")
         for name, content in tables.items():
-            text = page(text, name, content)
-        PAGE.write_text(text, encoding="utf-8")
+            between(PAGE, name, content)
     for fault in faults:
         print(f"missed: {fault}", file=sys.stderr)
     return 1 if faults else 0

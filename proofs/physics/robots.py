@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -11,7 +10,6 @@ import lutgen
 from lutgen.recipe import Recipe
 from proofs.physics.body import Floats, Posture, Solid, body, recipe_posture
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 Maker = Callable[[np.random.Generator], Posture]
 SIDEWAYS = np.array([0.0, 1.0, 0.0])
 
@@ -119,7 +117,7 @@ def any_params(recipe: Recipe, rng: np.random.Generator) -> Floats:
 @cache
 def gallery(name: str) -> Recipe:
     """Return the recipe of a gallery robot."""
-    return lutgen.load_recipe(ROOT / "maps" / f"{name}.toml")
+    return lutgen.load_recipe(f"recipe:{name}")
 
 
 def any_posture(name: str) -> Maker:

@@ -8,18 +8,15 @@ import math
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
-from firmware_export.codecs import usable
 from firmware_export.device import ExportFolder
 from firmware_export.grid import lookup
-from firmware_export.model.exact import Model
 from firmware_export.protocol import describe
-from lutgen.recipe import Recipe, load_recipe
+from lutgen.recipe import Recipe
 from proofs.prove.held import CannotProveError
 from proofs.prove.search import prove
+from targets.cases import of_recipe
 
-MAPS = Path(__file__).resolve().parents[2] / "maps"
 # Recipe of the gallery, size, arithmetic.
 ROWS = (
     "paper_one: contacts, float",
@@ -37,13 +34,11 @@ def made(row: str) -> tuple[Recipe, bytes, bool]:
     """Return an export of the gallery: its recipe, its bytes, whether it is read without floats."""
     name, size = row.split(": ")
     label, arithmetic = size.split(", ")
-    model = Model(load_recipe(MAPS / f"{name}.toml"))
     codec, *words = label.split()
-    (info,) = usable(model, arithmetic, codec)
     nodes = tuple(tuple(map(int, word.split("x"))) for word in words[1:])
     spec = lookup.Spec(int(words[0][1:]), nodes) if words else None
-    export = info.export(model, name, ("sdg", "tip_angle"), arithmetic, spec)
-    return model.recipe, describe(export).bytes, export.integer
+    export = of_recipe(name, codec, arithmetic, spec)
+    return export.recipe, describe(export).bytes, export.integer
 
 
 def line(asked: str) -> tuple[bool, str]:

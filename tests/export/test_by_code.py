@@ -64,7 +64,7 @@ def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else():
     assert [len(one) for one in terms.knots] == [3, 2]
     assert terms.knots[0][1] == pytest.approx(0.37, abs=1e-6)
     # Without the cut next to a kink: five times the bytes and more.
-    assert export_of("stops").tables.bytes < 120
+    assert export_of("stops").body.bytes < 120
 
 
 def test_what_no_series_hold_is_refused_in_one_sentence():

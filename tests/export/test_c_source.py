@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_export.emit import code_bytes, package
+from firmware_export.emit import family_row, package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.names import LONGEST, check_name, default_name
-from firmware_export.emit.render import texts
+from firmware_export.emit.render import WIDTH, block_comment, plain_text, texts
 from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
-from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol import CArray, Export, literal
 from lutgen.errors import InputError
@@ -206,7 +205,7 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(folders, exports
         text = runtime_text(family_of(body.codec, export.integer))
         assert '#include "' not in text.replace("#define SMAP_STEERED_BY", "")
         assert text.count("---- core:") == 1
-        assert code_bytes(family_of(body.codec, export.integer)) > 1000
+        assert family_row(family_of(body.codec, export.integer), {})["code"] > 1000
     assert "smap_run_step" in control_text("points")
 
 

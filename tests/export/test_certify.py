@@ -6,9 +6,8 @@ import pytest
 import lutgen
 from firmware_export.certify import certificate as certifying
 from firmware_export.certify.answers import Reader, span_of
-from firmware_export.certify.attack import sdg_error
+from firmware_export.certify.attack import largest_jump, sdg_error
 from firmware_export.certify.certificate import certify
-from firmware_export.certify.jumps import largest_jump
 from firmware_export.model import Model, biased, uniform
 from firmware_export.quantity import ErrorBound
 from lutgen.errors import ExportError

@@ -46,7 +46,7 @@ def test_positions_in_c_are_the_robots_in_every_posture(name):
 
 def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound():
     paper = export_of(lutgen.load_recipe(MAPS / "paper_two.toml"))
-    assert paper.tables.bytes == 51
+    assert paper.body.bytes == 51
     # Other points, with nothing altered, would be no proof of a larger guard.
     assert paper.tables.guarded(1e-3) is None
     # Links that only move the com are stored once for all contacts.

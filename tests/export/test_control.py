@@ -8,22 +8,13 @@ import pytest
 
 from firmware_export.contacts import INFO as contacts
 from firmware_export.control import maker
-from firmware_export.host import BLIND, Controller
+from firmware_export.host import Controller
 from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
-from proofs.control import (
-    G0,
-    GALLERY,
-    Steered,
-    bits,
-    budgets,
-    damaged,
-    fixed_slopes,
-    robot,
-    transits,
-)
+from proofs.control import G0, bits, budgets, damaged, fixed_slopes, transits
+from proofs.steered import BLIND, Steered, robot
 from tests.fixtures.length import part
 
 LEVEL = np.array([[0.0, 0.0, G0]])
@@ -205,7 +196,7 @@ def test_the_driver_is_followed_within_delta():
 @cache
 def crawler():
     """Return absolem with a policy that was not looked for: ways alone are asked."""
-    model = Model(load_recipe(GALLERY / "absolem.toml"))
+    model = Model(load_recipe("recipe:absolem"))
     export = contacts.export(model, "absolem", ("tip_angle",))
     joints = [Joint(0.0, 1e-3, 0.0314, 6.28, 0.00314, 0.354, 0.0045, x) for x in (1.35, 1.11)]
     policy = Policy(

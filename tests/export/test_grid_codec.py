@@ -12,7 +12,7 @@ from firmware_export.certify.certificate import put_to_test
 from firmware_export.exporter import ExportOptions, certified
 from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
-from firmware_export.grid.points import bounds, reach_of
+from firmware_export.grid.lookup import bounds, reach_of
 from firmware_export.host import Host, in_units
 from firmware_export.model import Model, biased, least_edge_of, uniform
 from firmware_export.protocol import describe
@@ -77,7 +77,7 @@ def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in
     # Seven nodes over 51 degrees: chords of 8.5 degrees, halved by the fit, are off by 0.07 %.
     assert np.abs(values[safe, 0] - exact.sdg[safe, 0]).max() < 0.01 * span
     assert np.abs(values[safe, 2] - exact.height[safe, 0]).max() < 0.003 * 23.3
-    assert looked_up.tables.bytes < 100
+    assert looked_up.body.bytes < 100
 
 
 @pytest.mark.parametrize(("bits", "nodes"), [(8, (3, 3)), (16, (5, 4))])
@@ -268,8 +268,8 @@ def test_a_robot_that_no_table_can_tell_is_refused_with_a_word_on_contacts():
 def test_bytes_and_labels_tell_the_size():
     export = noise("noise", Model(parse_recipe(tripod())), (4, 5, 6, 7), ("sdg",))
     body = export.tables.body(True)
-    assert export.tables.bytes == sum(one.bytes for one in body.arrays if one.table)
-    assert export.tables.bytes == 2 * 4 * 5 * 6 * 7 + 4 * 2 + 2 * 22
+    assert export.body.bytes == sum(one.bytes for one in body.arrays if one.table)
+    assert export.body.bytes == 2 * 4 * 5 * 6 * 7 + 4 * 2 + 2 * 22
     assert export.tables.spec.label == "grid u8 4x5x6x7"
     assert table.INFO.refusal(export.model, "integer") is not None
     rovers = Model(parse_recipe(rover()))

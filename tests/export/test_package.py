@@ -74,8 +74,8 @@ def test_the_report_has_what_a_program_asks_for(export, tmp_path):
     assert content["chart"] == {"kind": "cone", "faces": 1, "max_tilt_deg": pytest.approx(50.0)}
     assert content["channels"]["sdg"]["unit"] == "m"
     assert content["channels"]["sdg"]["error"]["max"] == 0.0123
-    assert content["bytes"]["tables"] == export.body.bytes == export.tables.bytes
-    assert content["bytes"]["code"] == size.code_bytes("points")
+    assert content["bytes"]["tables"] == export.body.bytes
+    assert content["bytes"]["code"] == size.family_row("points", {})["code"]
     assert content["bytes"]["measured"] is False
     assert (content["false_safe"], content["false_tip"]) == (0, 0.0123)
 
@@ -117,7 +117,10 @@ PAGE = (
 @pytest.mark.parametrize(("name", "parts"), [("feet.h", HEADER), ("feet_report.md", PAGE)])
 def test_header_and_page_say_what_a_reader_must_know(export, name, parts):
     told = {"@TOTAL@": f"{report(export)['bytes']['total']:,}"}
-    told |= {"@CODE@": f"{size.code_bytes('points'):,}", "@DIGEST@": export.recipe.digest}
+    told |= {
+        "@CODE@": f"{size.family_row('points', {})['code']:,}",
+        "@DIGEST@": export.recipe.digest,
+    }
     text = text_of(export, name)
     for part in parts:
         for key, value in told.items():

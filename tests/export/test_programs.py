@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from firmware_export.emit import check_name, package
-from firmware_export.emit.trial import try_out
+from firmware_export.emit.package import try_out
 from firmware_export.protocol import Joint, Policy
 from lutgen.errors import ExportError
 from tests.fixtures.compiled import STRICT, compile_c, run
