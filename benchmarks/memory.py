@@ -13,13 +13,13 @@ from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes
 from benchmarks.references import Loop, by_numpy, fill, planes, tip_over_axes
 from benchmarks.rows import Row, interleave
 from lutgen.channels.evaluation import stability
-from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.exact import Setting
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import scan
 from lutgen.chart import Chart, unit_directions
 from lutgen.jit import njit
-from lutgen.quantities import CHANNELS
-from lutgen.support import FACETS, Acceptance, Region, acceptance, empty_region, stand
+from lutgen.quantities import CHANNELS, wanted
+from lutgen.support import Acceptance, Region, acceptance, empty_region, stand
 from lutgen.vector import Floats
 
 # 64 MiB of float32 for each channel, more than the caches hold.
@@ -38,9 +38,9 @@ def sweep_run(
 ) -> tuple[Callable[[], None], NDArray[np.float32]]:
     """Return a sweep over postures (m, n, 8) into one array, and that array."""
     accept = acceptance(*(angles or (None, None)))
-    setting, rows = Setting(accept, wanted_channels(channels)), chart.faces * chart.nodes
+    setting, rows = Setting(accept, np.array(wanted(channels))), chart.faces * chart.nodes
     out = np.full((len(CHANNELS), len(primitives) * rows * chart.nodes), np.nan, np.float32)
-    return partial(scan, primitives, setting, nodes_of(chart), (0, rows), out), out
+    return partial(scan, primitives, setting, nodes_of(chart), out), out
 
 
 def sweeps(folder: Path, nodes: int = NODES) -> Iterator[Row]:
@@ -98,7 +98,7 @@ def find_all(region: Region, primitives: Floats, accept: Acceptance) -> int:
     found = 0
     for m in range(primitives.shape[0]):
         stand(region, primitives[m], accept)
-        found += region.counts[FACETS]
+        found += region.counts.facets
     return found
 
 

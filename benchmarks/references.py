@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lutgen.arrays import Floats, Ints, Singles
 from lutgen.channels import region_of
 from lutgen.jit import njit
-from lutgen.support import ACCEPTED, ARCS, Acceptance, Region, empty_region, rests_at, stand
+from lutgen.support import Acceptance, Region, empty_region, rests_at, stand
 
 COMMAND = ("cc", "-O3", "-march=native", "-shared", "-fPIC")
 PARTS = 16
@@ -41,7 +41,7 @@ def _copy(region: Region, primitives: Floats, accept: Acceptance, planes: Planes
     facets, walls, first, counts = planes
     for m in range(primitives.shape[0]):
         stand(region, primitives[m], accept)
-        counts[m] = region.counts[ACCEPTED]
+        counts[m] = region.counts.accepted
         wall = 0
         for k in range(counts[m]):
             seat = region.seat[k]
@@ -73,7 +73,7 @@ def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
 def tip_over_axes(contacts: NDArray[np.float64], accept: Acceptance) -> NDArray[np.float64]:
     """Return start, stop and inward normal (b, 9) of the tip-over axes of packed contacts."""
     region = region_of(contacts, accept)
-    arcs = region.arc[: region.counts[ARCS]]
+    arcs = region.arc[: region.counts.arcs]
     return np.hstack([arcs["start"], arcs["stop"], arcs["wall"]])
 
 

@@ -21,9 +21,6 @@ FACE_SIGN = np.array([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
 FACE_U = np.array([0, 1, 1, 0, 0, 0])
 FACE_V = np.array([1, 2, 2, 2, 2, 1])
 
-# Directions that are normalised together: along columns that fit into the cache NumPy is four times
-# as fast as along rows of three.
-_AT_ONCE = 8192
 # A node of the rim that went through a square root comes back within a few 1e-16 of it.
 _RIM = 1e-12
 
@@ -83,11 +80,6 @@ class Chart:
             result[face, 2, FACE_V[face]] = 1.0
         return result
 
-    def inverse_length(self) -> NDArray[np.float64]:
-        """Return 1 / sqrt(1 + u^2 + v^2) at the nodes of a face, (nodes, nodes) by v and u."""
-        v, u = np.meshgrid(self.coords, self.coords, indexing="ij")
-        return np.asarray(1.0 / np.sqrt(1.0 + u * u + v * v))
-
     def solid_angle(self) -> NDArray[np.float64]:
         """Return the solid angle (faces, nodes, nodes) of each node's cell, sr; 1 for a lone node.
 
@@ -137,23 +129,19 @@ def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
         raise InputError(
             f"a direction needs 3 components (got an array of shape {raw.shape}); pass x, y, z."
         )
-    units = np.empty(raw.shape)
-    given, result = raw.reshape(-1, 3), units.reshape(-1, 3)
-    for begin in range(0, len(given), _AT_ONCE):
-        some = slice(begin, begin + _AT_ONCE)
-        columns = given[some].T.copy()
-        size = np.maximum.reduce(np.abs(columns))
-        good = (size > 0.0) & (size < np.inf)
-        if not good.all():
-            first = columns[:, good.argmin()]
-            raise InputError(
-                f"a direction must be finite and longer than 0 (got {first.tolist()}); "
-                "leave out readings without a direction."
-            )
-        # Two steps: dividing by the largest component first keeps the squares in range.
-        scaled = columns / size
-        np.divide(scaled, np.sqrt(np.add.reduce(scaled * scaled)), out=result[some].T)
-    return units
+    # Along columns NumPy is four times as fast as along rows of three.
+    columns = np.moveaxis(raw, -1, 0).copy()
+    size = np.abs(columns).max(axis=0)
+    good = (size > 0.0) & (size < np.inf)
+    if not good.all():
+        raise InputError(
+            f"a direction must be finite and longer than 0 (got {raw[~good][0].tolist()}); "
+            "leave out readings without a direction."
+        )
+    # Two steps: dividing by the largest component first keeps the squares in range.
+    columns /= size
+    columns /= np.sqrt((columns * columns).sum(axis=0))
+    return np.ascontiguousarray(np.moveaxis(columns, 0, -1))
 
 
 def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:

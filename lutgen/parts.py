@@ -5,21 +5,23 @@ of how they are written down (`recipe`, `urdf`) or of how a robot moves.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from lutgen.errors import InputError
-
 # Here and not in `lutgen.arrays`: the help of the commands does without NumPy.
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
-# Share of a parameter's limits by which a value may be beyond them.
-ROUNDING = 1e-9
 # Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
 # of their cache must cover this file, and does by the name of `lutgen.jit`.
 KINDS = ("point", "sphere", "disc")
+
+
+def three(values: Iterable[float]) -> Vector:
+    """Return three numbers as a vector."""
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 def to_internal(values: Any, unit: str) -> Any:
@@ -53,22 +55,6 @@ class Parameter:
     def stored(self, values: Any) -> Any:
         """Turn values in the recipe's unit into rad or length."""
         return to_internal(values, self.display_unit)
-
-    def require(self, values: Any, where: str, low: float, high: float) -> None:
-        """Refuse values (m,) below `low` or above `high`, limits (rad or length) of `where`."""
-        # Angles in deg round when they become rad.
-        rounding = ROUNDING * max(high - low, abs(low), abs(high))
-        inside = (low - rounding <= values) & (values <= high + rounding)
-        if not inside.all():
-            row = int(inside.argmin())
-            got = f"{self.shown(values[row]):.6g}"
-            if self.display_unit == "deg":
-                got += f" deg = {values[row]:.6g} rad"
-            raise InputError(
-                f"{where}: parameter {self.name} must lie in {self.shown(low):g} to "
-                f"{self.shown(high):g} {self.display_unit} (got {got}"
-                f"{f' in row {row}' if len(values) > 1 else ''}); the limits are in that file."
-            )
 
 
 @dataclass(frozen=True)

@@ -29,9 +29,10 @@ from lutgen.channels import (
     measure_recipe,
     primitives_of,
     region_of,
+    wrenches,
 )
 from lutgen.recipe import Postures, robot_size_of
-from lutgen.support import ACCEPTED, DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
+from lutgen.support import DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
 from lutgen.vector import Floats
 
 # Postures of a test: sums of products of sines that are equal in so many are the same.
@@ -177,10 +178,11 @@ def _tracks(model: Model) -> tuple[tuple[float, float], Floats] | None:
 def _nearest_axes(model: Model, where: Postures, facet: NDArray[np.int64]) -> Floats:
     """Return how near the com an axis of each of some facets (m, d) of postures is."""
     accept, axes, found = acceptance_of(model.recipe), empty_axes(), np.zeros(facet.shape)
+    loads = wrenches(model.recipe, where)
     for at, primitives in enumerate(primitives_of(model.recipe, where)):
         region = region_of(primitives, accept)
-        find_axes(region, np.zeros(7), axes)
-        rows = region.facet[region.seat["facet"][: region.counts[ACCEPTED]]]
+        find_axes(region, loads[at], axes)
+        rows = region.facet[region.seat["facet"][: region.counts.accepted]]
         edges = (axes.edge["distance"][f["first"] : f["first"] + f["count"]] for f in rows)
         found[at] = np.array([*(edge.min() for edge in edges), 0.0])[facet[at]]
     return found

@@ -17,11 +17,10 @@ from lutgen.channels import (
     measure_loaded,
     own_memory,
     primitives_of,
-    wanted_channels,
     wrenches,
 )
 from lutgen.jit import in_threads, njit
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import stand
 from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
 
@@ -117,7 +116,7 @@ def cross_boundary(
     recipe, postures = model.recipe, model.postures(params)
     primitives = primitives_of(recipe, postures)
     wrench = wrenches(recipe, postures) if recipe.loaded else None
-    setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
+    setting = Setting(acceptance_of(recipe), np.array(wanted(("tip_angle",))))
     low, high = unit(inside), unit(outside)
     arguments = (own_memory, primitives, wrench, setting, low, high)
     # A posture with its arcs is worth a thread after a tenth of a millisecond of work.

@@ -32,7 +32,7 @@ from lutgen.analysis.posture import Facet, Posture
 from lutgen.channels import evaluate, evaluate_each, segment_energy
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.recipe import Recipe
-from lutgen.support import EDGES, ends_of
+from lutgen.support import ends_of
 from lutgen.vector import Floats, axis_rotation, read3
 
 # No robot accelerates more, m/s^2; where it does not tip before that, nothing is said.
@@ -140,7 +140,7 @@ def stop_speeds(
 def _uncertain_rise(posture: Posture, down: Floats) -> float:
     """Return how far the com rises at least before the robot leaves its rests, or rolls to one."""
     region, rho = posture.region, posture.recipe.com_uncertainty
-    rolls = (e for e in range(region.counts[EDGES]) if np.less(*region.edge[e]["held"]))
+    rolls = (e for e in range(region.counts.edges) if np.less(*region.edge[e]["held"]))
     ends = [(read3(arc["start"]), read3(arc["stop"])) for arc in posture.axes]
     ends += [ends_of(region, e) for e in rolls]
     least = min((segment_energy(*pair, read3(down)) for pair in ends), default=math.inf)

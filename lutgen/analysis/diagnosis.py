@@ -13,7 +13,7 @@ from lutgen import channels as kernels
 from lutgen.analysis.forces import heuristic_forces, loads_on
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.quantities import CHANNELS
-from lutgen.support import ARCS, seat_under
+from lutgen.support import seat_under
 from lutgen.vector import Floats, Vector, dot, read3
 
 # Shares of the weight nearer than this are one, as far as the balance is kept.
@@ -83,11 +83,11 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     tip_axes = tuple(_tip_axis(posture, b, *found) for b, found in enumerate(numbers))
     angles = [axis.tip_angle if posture.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
-    resultant = down[0] + wrench[kernels.PHI : kernels.MU]
+    resultant = down[0] + wrench["phi"]
     facet, pierced, slope = None, np.full(3, np.nan), math.nan
     if k >= 0:
         facet = posture.facets[k]
-        pierced = facet.pierced(resultant, wrench[kernels.MU : kernels.RHO])
+        pierced = facet.pierced(resultant, wrench["mu"])
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
@@ -134,7 +134,7 @@ def _numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, list[Vec
     region, convex = posture.region, posture.convex
     sign = 1.0 if standing else -1.0
     found = []
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         start, stop, wall = (read3(region.arc[b][name]) for name in ("start", "stop", "wall"))
         margin = kernels.axis_margin(start, stop, wall, convex, g)
         if convex:
@@ -152,7 +152,7 @@ def _loaded_numbers(posture: Posture, g: Vector, standing: bool) -> tuple[int, l
     region, wrench = posture.region, posture.wrench
     axes, found = kernels.empty_axes(), []
     kernels.find_axes(region, wrench, axes)
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         angle = kernels.axis_angle(region, axes, b, wrench, standing, g)
         margin = kernels.loaded_margin(region, axes, b, wrench, standing, g)
         found.append((angle, margin, math.nan))

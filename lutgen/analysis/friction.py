@@ -23,7 +23,7 @@ from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.bracket import halve
-from lutgen.channels import MU, PHI, checked_directions, evaluate
+from lutgen.channels import checked_directions, evaluate
 from lutgen.errors import InputError, reject
 from lutgen.parts import Group
 from lutgen.support import DISC, SPHERE
@@ -114,7 +114,7 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
     in the body; a facet that is not shifts it, to 0 where the robot slides on level ground already.
     NaN where it tips over first.  `convention` is that of `tilt.level_frames`.
     """
-    recipe, push = posture.recipe, posture.wrench[PHI:MU]
+    recipe, push = posture.recipe, posture.wrench["phi"]
     if recipe.friction is None:
         what = "the recipe has no friction coefficient"
         way_out = "add one, for example friction = 0.8, to learn where the robot slides"

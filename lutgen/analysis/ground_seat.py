@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from lutgen.analysis.posture import Posture
-from lutgen.channels import MU, PHI, RHO
 from lutgen.support import edge_after, ends_of, is_inner, rests_at
 from lutgen.vector import Floats
 
@@ -138,7 +137,7 @@ def _edge(
     plane, along = np.cross(start, stop), stop - start
     area, length = float(np.linalg.norm(plane)), float(np.linalg.norm(along))
     plane, along, distance = plane / area, along / length, area / length
-    push = float(plane @ wrench[PHI:MU] + (stop - start) @ wrench[MU:RHO] / area)
+    push = float(plane @ wrench["phi"] + (stop - start) @ wrench["mu"] / area)
     if rho > 0.0:
         lean = min(rho / distance, 1.0)
         foot = start - float(start @ along) * along

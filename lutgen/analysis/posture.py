@@ -7,6 +7,7 @@ once take a recipe and (m, k) rows of geometry parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,9 +109,9 @@ class Posture:
         return support.pack(self.placed.centres[0], self.placed.axes[0], radii, kinds)
 
     @cached_property
-    def wrench(self) -> Floats:
-        """Forces and moment over the weight, and the com's uncertainty (7,)."""
-        return np.asarray(wrenches(self.recipe, self.placed)[0])
+    def wrench(self) -> Any:
+        """Forces `phi` and moment `mu` over the weight, and the com's uncertainty `rho`."""
+        return wrenches(self.recipe, self.placed)[0]
 
     @cached_property
     def region(self) -> support.Region:
@@ -121,7 +122,7 @@ class Posture:
     @property
     def seats(self) -> NDArray[np.void]:
         """The kernels' rows of the accepted facets, in canonical order."""
-        return np.asarray(self.region.seat[: self.region.counts[support.ACCEPTED]])
+        return np.asarray(self.region.seat[: self.region.counts.accepted])
 
     @cached_property
     def facets(self) -> tuple[Facet, ...]:
@@ -131,12 +132,12 @@ class Posture:
     @property
     def axes(self) -> NDArray[np.void]:
         """The tip-over axes: `start` and `stop` (3,), relative to the com, start x stop inward."""
-        return np.asarray(self.region.arc[: self.region.counts[support.ARCS]])
+        return np.asarray(self.region.arc[: self.region.counts.arcs])
 
     @property
     def convex(self) -> bool:
         """True if the standing region is."""
-        return bool(self.region.counts[support.CONVEX])
+        return bool(self.region.counts.convex)
 
     def under(self, direction: Floats) -> Facet | None:
         """Return the facet that gravity along a direction (3,) pierces, or None."""

@@ -1,16 +1,20 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `measuring`, `wrench`,
+In reading order: `exact`, `axes`, `shares`, `loads`, `resting`, `measuring`,
 `evaluation`, `rows`, `scan`.
 """
 
-from lutgen.channels.axes import MU, PHI, RHO, empty_axes, find_axes, part
+from lutgen.channels.axes import empty_axes, find_axes
 from lutgen.channels.evaluation import (
+    acceptance_of,
     body_gravity,
     evaluate,
     evaluate_each,
     measure_recipe,
+    primitives_of,
+    refuse_forces,
     stability,
+    wrenches,
 )
 from lutgen.channels.exact import (
     JUST_OUTSIDE,
@@ -21,11 +25,9 @@ from lutgen.channels.exact import (
     checked_directions,
     measure,
     segment_energy,
-    wanted_channels,
 )
 from lutgen.channels.loads import axis_angle, loaded_margin, loaded_verdict, measure_loaded
 from lutgen.channels.measuring import Memory, own_memory, region_of
 from lutgen.channels.resting import CONVENTIONS, turned
 from lutgen.channels.scan import Scanner
 from lutgen.channels.shares import axle_foot, smallest_shares
-from lutgen.channels.wrench import acceptance_of, primitives_of, refuse_forces, wrenches

@@ -13,18 +13,20 @@ and o counts over d + rho where it helps and over d - rho where it hurts (a boun
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.arrays import Floats, Vector
+from lutgen.arrays import Vector
 from lutgen.jit import njit
-from lutgen.support import ARCS, EDGES, REGION, Region, ends_of, record, rests_at
-from lutgen.vector import along, dot, length, read3, scale, subtract, unit, write3
+from lutgen.support import REGION, Region, ends_of, record, rests_at
+from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit, write3
 
-# First columns of a wrench: phi, mu, rho.
-PHI, MU, RHO = 0, 3, 6
+# Forces and their moment about the com, over the weight, and the radius of the com's ball.
+WRENCH = record("phi mu", "rho", "")
+# A row of WRENCH.
+Wrench = Any
 # An offset of 1 or more never lets the robot tip over that axis, -1 or less always.
 NEVER, ALWAYS = 1.0, -1.0
 # How far the zero-moment point may be beyond an edge that two rests share (sine).
@@ -48,12 +50,6 @@ def empty_axes() -> Axes:
     """Return arrays large enough for any region."""
     edge, arc = (REGION[name].shape[0] for name in ("edge", "arc"))
     return Axes(np.empty(edge, AXIS), np.empty(arc, AXIS))
-
-
-@njit(inline=True, bare=True)
-def part(wrench: Floats, column: int) -> Vector:
-    """Return phi or mu of a wrench."""
-    return wrench[column], wrench[column + 1], wrench[column + 2]
 
 
 @njit()
@@ -82,11 +78,11 @@ def moment_about(ends: tuple[Vector, Vector], mu: Vector) -> float:
 
 
 @njit(bare=True)
-def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench: Floats) -> None:
+def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench: Wrench) -> None:
     """Fill row `at` with the axis between two contact points; its normal is filled already."""
     start, stop = ends
     axis = axes[at]
-    normal, phi, mu, rho = read3(axis.normal), part(wrench, PHI), part(wrench, MU), wrench[RHO]
+    normal, phi, mu, rho = read3(axis.normal), read3(wrench.phi), read3(wrench.mu), wrench.rho
     side = unit(subtract(stop, start))
     foot = along(start, side, -dot(start, side))
     d, moment = length(foot), moment_about(ends, mu)
@@ -109,12 +105,12 @@ def _enter(axes: NDArray[np.void], at: int, ends: tuple[Vector, Vector], wrench:
 
 
 @njit(bare=True)
-def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
-    """Fill `axes` from the region and the wrench (7,) of one posture."""
-    for e in range(region.counts[EDGES]):
+def find_axes(region: Region, wrench: Wrench, axes: Axes) -> None:
+    """Fill `axes` from the region and the wrench of one posture."""
+    for e in range(region.counts.edges):
         write3(axes.edge[e].normal, read3(region.edge[e].wall))
         _enter(axes.edge, e, ends_of(region, e), wrench)
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         arc = region.arc[b]
         write3(axes.arc[b].normal, read3(arc.wall))
         _enter(axes.arc, b, (read3(arc.start), read3(arc.stop)), wrench)
@@ -135,3 +131,12 @@ def lowest_lever(region: Region, k: int, force: Vector, mu: Vector) -> float:
             lever = max(lever, 0.0)
         lowest = min(lowest, lever)
     return lowest
+
+
+@njit()
+def zero_moment_point(plane: Vector, force: Vector, mu: Vector) -> Vector:
+    """Return D - com = (h F + n x mu) / (n . F) on a facet's plane, `plane` = n / h.
+
+    F = g + phi.  About D the moment of weight and forces has no part in the plane.
+    """
+    return scale(add(force, cross(plane, mu)), 1.0 / dot(plane, force))

@@ -4,18 +4,88 @@
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.arrays import Floats
+from lutgen.channels.axes import WRENCH
 from lutgen.channels.exact import checked_directions
 from lutgen.channels.measuring import measure_postures
-from lutgen.channels.wrench import acceptance_of, groups_of, primitives_of, wrenches
-from lutgen.chart import unit_directions
+from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.errors import InputError
-from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, within_limits
-from lutgen.support import MAX_PRIMITIVES, acceptance, pack
+from lutgen.recipe import (
+    TOLERANCE,
+    Postures,
+    Recipe,
+    contact_tolerance_of,
+    forward,
+    radii_and_kinds,
+    robot_size_of,
+    within_limits,
+)
+from lutgen.support import AXLE, FIRST, MAX_PRIMITIVES, Acceptance, acceptance, pack
+
+# Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).
+REST_WIDTH = 0.01
+
+
+def primitives_of(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
+    """Return the primitives (m, n + 2 a, 8) of postures of a recipe.
+
+    They are its contacts and its axles that swing, see the head of `support.primitive`.
+    """
+    parts = [pack(postures.centres, postures.axes, *radii_and_kinds(recipe))]
+    names = recipe.contact_names
+    for k, axle in enumerate(recipe.axles):
+        i, j = (names.index(name) for name in axle.contacts)
+        share, com = postures.axle_shares[:, k, None], postures.axle_coms[:, k]
+        points = np.stack([postures.pivots[:, k], -share / (1.0 - share) * com], axis=1)
+        lines = np.stack([postures.pivot_axes[:, k], np.zeros_like(com)], axis=1)
+        numbers = np.hstack([np.full_like(share, FIRST * i + j), 1.0 - share])
+        parts.append(pack(points, lines, numbers, AXLE))
+    return np.concatenate(parts, axis=1)
+
+
+def wrenches(recipe: Recipe, postures: Postures) -> NDArray[Any]:
+    """Return the wrenches (m,), rows of WRENCH, of postures of a recipe, body frame.
+
+    phi = sum f / W and mu = (sum (p - com) x f + moment) / W, W = mass x 9.80665 m/s^2; the recipe
+    has forces in N, masses in kg, and moments in N times the length unit.
+    """
+    result = np.zeros(len(postures.com), WRENCH)
+    result["rho"] = recipe.com_uncertainty
+    if recipe.has_wrench:
+        weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
+        force = np.array([one.force for one in recipe.forces]) / weight
+        moment = np.array([one.moment for one in recipe.forces]) / weight
+        turning = np.cross(postures.force_points, force) + moment
+        result["phi"] = force.sum(axis=0)
+        result["mu"] = turning.sum(axis=1)
+    return result
+
+
+def acceptance_of(recipe: Recipe) -> Acceptance:
+    """Return the acceptance of a recipe: a facet counts for every com in the ball or not at all."""
+    size = robot_size_of(recipe)
+    return acceptance(
+        recipe.upright,
+        recipe.rock_angle,
+        recipe.com_uncertainty,
+        REST_WIDTH * size if recipe.rest_width is None else recipe.rest_width,
+        contact_tolerance_of(recipe),
+    )
+
+
+def refuse_forces(recipe: Recipe, what: str) -> None:
+    """Raise InputError for a recipe with forces where `what` knows the weight alone."""
+    if recipe.has_wrench:
+        names = ", ".join(force.name for force in recipe.forces if force.acts)
+        raise InputError(
+            f"{recipe.source}: key `robot.force`: {what} counts the weight and no other force (got "
+            f"{names}); leave the forces out to see it"
+        )
 
 
 def measure_recipe(
@@ -26,13 +96,16 @@ def measure_recipe(
     convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Measure postures that `kinematics.forward` has placed; directions as `measure_postures`."""
+    # Groups are bits of their contacts' rows.
+    bits = {name: 1 << row for row, name in enumerate(recipe.contact_names)}
+    groups = [sum(bits[name] for name in {*group.contacts}) for group in recipe.groups]
     return measure_postures(
         primitives_of(recipe, postures),
         gravity_dir,
         channels,
         acceptance_of(recipe),
         wrenches(recipe, postures) if recipe.loaded else None,
-        groups_of(recipe),
+        np.array(groups, np.int64),
         convention,
     )
 

@@ -9,7 +9,6 @@ goes on over an edge of the rest on which it lands.  One roll, one landing.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,12 +18,8 @@ from lutgen.arrays import Bools, Floats, Vector
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.quantities import CHANNELS, wanted
+from lutgen.quantities import CHANNELS
 from lutgen.support import (
-    ACCEPTED,
-    ARCS,
-    CONVEX,
-    SHOWN,
     TIPS,
     Acceptance,
     Region,
@@ -87,18 +82,18 @@ def tip_angle(region: Region, standing: bool, g: Vector) -> float:
     the force-angle measure of Papadopoulos and Rey for a pure gravity load.
     """
     count = region.counts
-    if count[ACCEPTED] == 0:
+    if count.accepted == 0:
         return -math.pi
-    if count[ARCS] == 0:
+    if count.arcs == 0:
         return math.pi if standing else -math.pi
-    if count[CONVEX] == 1:
+    if count.convex == 1:
         lowest = 1.0
-        for b in range(count[ARCS]):
+        for b in range(count.arcs):
             lowest = min(lowest, dot(read3(region.arc[b].wall), g))
         angle = arcsine(lowest)
         return max(angle, 0.0) if standing else min(angle, JUST_OUTSIDE)
     nearest = 2.0
-    for b in range(count[ARCS]):
+    for b in range(count.arcs):
         nearest = min(nearest, arc_nearness(region, b, g))
     angle = angle_of(nearest)
     return angle if standing else min(-angle, JUST_OUTSIDE)
@@ -154,7 +149,7 @@ def segment_energy(start: Vector, stop: Vector, g: Vector) -> float:
 def _over_rest(region: Region, k: int, came: int, g: Vector) -> float:
     """Return the least rise over an edge of rest k and its group but the one it was come over."""
     least = math.inf
-    for here in range(region.counts[ACCEPTED]):
+    for here in range(region.counts.accepted):
         if not is_same_rest(region, here, k):
             continue
         facet = region.facet[region.seat[here].facet]
@@ -168,7 +163,7 @@ def _over_rest(region: Region, k: int, came: int, g: Vector) -> float:
 @njit(bare=True)
 def _over_held(region: Region, e: int, g: Vector) -> float:
     """Return the least rise over the held part of an edge and then over one of the next rest."""
-    edge, primitives = region.edge, region.shown[: region.counts[SHOWN]]
+    edge, primitives = region.edge, region.shown[: region.counts.shown]
     here, there = rests_at(region, e)
     start, stop = ends_of(region, e)
     low, high = edge[e].held[0], edge[e].held[1]
@@ -189,7 +184,7 @@ def energy_margin(region: Region, k: int, g: Vector, nearest: float) -> float:
     `nearest`: the least rise over the boundary, which is the answer if rests are all one group.
     """
     least, alone = math.inf, True
-    for here in range(region.counts[ACCEPTED]):
+    for here in range(region.counts.accepted):
         if not is_same_rest(region, here, k):
             alone = alone and not region.seat[here].is_rest
             continue
@@ -253,11 +248,11 @@ def _margins(
 ) -> tuple[float, float]:
     """Return `margin` and `energy_margin` of a robot that stands on a seat, or tips."""
     count = region.counts
-    if count[ACCEPTED] == 0:
+    if count.accepted == 0:
         return -math.inf, -math.inf
-    convex = count[CONVEX] == 1
+    convex = count.convex == 1
     margin = energy = math.inf
-    for b in range(count[ARCS]):
+    for b in range(count.arcs):
         arc = region.arc[b]
         start, stop, wall = read3(arc.start), read3(arc.stop), read3(arc.wall)
         margin = min(margin, axis_margin(start, stop, wall, convex, g))
@@ -265,7 +260,7 @@ def _margins(
             rise = axis_energy(start, stop, wall, g) if convex else segment_energy(start, stop, g)
             energy = min(energy, rise)
     if standing:
-        if wants_energy and count[ARCS] > 0:
+        if wants_energy and count.arcs > 0:
             energy = energy_margin(region, seat, g, energy)
         return max(margin, 0.0), max(energy, 0.0)
     if not convex:
@@ -309,8 +304,3 @@ def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:
             "give one row x, y, z per direction"
         )
     return np.ascontiguousarray(unit_directions(directions))
-
-
-def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
-    """Return the mask over `CHANNELS`; refuse an unknown name."""
-    return np.array(wanted(channels))

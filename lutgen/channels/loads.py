@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.arrays import Bools, Floats, Ints, Vector
-from lutgen.channels.axes import ALWAYS, MU, NEVER, PHI, RHO, Axes, lowest_lever, part
+from lutgen.arrays import Bools, Floats, Vector
+from lutgen.channels.axes import ALWAYS, NEVER, Axes, Wrench, lowest_lever, zero_moment_point
 from lutgen.channels.exact import (
     FACET,
     HEIGHT,
@@ -24,10 +24,9 @@ from lutgen.channels.exact import (
     arcsine,
     axis_margin,
 )
-from lutgen.channels.shares import least_share
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
-from lutgen.support import ACCEPTED, ARCS, CONVEX, ROCKS, STANDS, TIPS, Region, cone_of, seat_under
+from lutgen.support import ROCKS, STANDS, TIPS, Region, cone_of, seat_under
 from lutgen.vector import add, along, cross, dot, length, read3, scale, subtract, unit
 
 
@@ -43,61 +42,37 @@ def _seat_under_moment(region: Region, force: Vector, mu: Vector) -> tuple[int, 
     if square < 1e-24:
         return best, TIPS
     through = scale(cross(force, mu), 1.0 / square)
-    for k in range(region.counts[ACCEPTED]):
+    for k in range(region.counts.accepted):
         plane = read3(region.seat[k].plane)
         rate = dot(plane, force)
         if rate > 0.0:
             reach = (1.0 - dot(plane, through)) / rate
             if reach < nearest - 1e-12 * abs(nearest) or best < 0:
                 best, nearest = k, reach
-    for turn in range(region.counts[ACCEPTED] + 1):
+    for turn in range(region.counts.accepted + 1):
         k = best if turn == 0 else turn - 1
         if k >= 0 and region.seat[k].is_rest and lowest_lever(region, k, force, mu) >= 0.0:
             return k, STANDS
     return best, TIPS
 
 
-@njit()
-def zero_moment_point(plane: Vector, force: Vector, mu: Vector) -> Vector:
-    """Return D - com = (h F + n x mu) / (n . F) on a facet's plane, `plane` = n / h.
-
-    F = g + phi.  About D the moment of weight and forces has no part in the plane.
-    """
-    return scale(add(force, cross(plane, mu)), 1.0 / dot(plane, force))
-
-
-@njit()
-def share_of(region: Region, values: Floats, force: Vector, mu: Vector, groups: Ints) -> float:
-    """Return the least share of a group, of a direction whose facet and status are in `values`."""
-    k, status = int(values[FACET]), int(values[STATUS])
-    if k < 0:
-        return math.nan
-    pierced = zero_moment_point(read3(region.seat[k].plane), force, mu)
-    return least_share(region, k, status, pierced, groups)
-
-
 @njit(bare=True)
-def turned_sine(axes: NDArray[np.void], b: int, g: Vector) -> float:
-    """Return the least m' . g over all planes through an axis turned by up to beta either way.
+def whole_axis_angle(axes: NDArray[np.void], b: int, g: Vector) -> float:
+    """Return the signed angle (rad) from g to a whole axis, for any com in the ball.
 
+    It is the least m' . g over all planes through the axis turned by up to beta either way:
     m' = m cos(t) - a sin(t) for |t| <= beta, a the direction from the com towards the axis.
     """
     axis = axes[b]
-    u, w = dot(read3(axis.normal), g), dot(read3(axis.towards), g)
-    if u < 0.0 and abs(w) * axis.cosine <= -u * axis.sine:
-        return -math.sqrt(u * u + w * w)
-    return float(axis.cosine * u - axis.sine * abs(w))
-
-
-@njit(bare=True)
-def whole_axis_angle(axes: NDArray[np.void], b: int, g: Vector) -> float:
-    """Return the signed angle (rad) from g to a whole axis, for any com in the ball."""
-    bound = axes[b].bound
-    if bound >= NEVER:
+    if axis.bound >= NEVER:
         return math.pi
-    if bound <= ALWAYS:
+    if axis.bound <= ALWAYS:
         return -math.pi
-    return arcsine(turned_sine(axes, b, g)) + math.asin(bound)
+    u, w = dot(read3(axis.normal), g), dot(read3(axis.towards), g)
+    sine = axis.cosine * u - axis.sine * abs(w)
+    if u < 0.0 and abs(w) * axis.cosine <= -u * axis.sine:
+        sine = -math.sqrt(u * u + w * w)
+    return arcsine(sine) + math.asin(axis.bound)
 
 
 @njit(bare=True)
@@ -151,18 +126,18 @@ def reduced_arc(region: Region, axes: Axes, b: int, rho: float, g: Vector) -> fl
 
 
 @njit(inline=True, bare=True)
-def counts_whole(region: Region, wrench: Floats) -> bool:
+def counts_whole(region: Region, wrench: Wrench) -> bool:
     """Return True if axes count as whole lines: of convex regions, and where only a bound is known.
 
     That is under a moment, and under a force with an uncertain com.
     """
-    pulled = length(part(wrench, PHI)) > 0.0 and wrench[RHO] > 0.0
-    return region.counts[CONVEX] == 1 or pulled or length(part(wrench, MU)) > 0.0
+    pulled = length(read3(wrench.phi)) > 0.0 and wrench.rho > 0.0
+    return region.counts.convex == 1 or pulled or length(read3(wrench.mu)) > 0.0
 
 
 @njit(bare=True)
 def axis_angle(
-    region: Region, axes: Axes, b: int, wrench: Floats, standing: bool, g: Vector
+    region: Region, axes: Axes, b: int, wrench: Wrench, standing: bool, g: Vector
 ) -> float:
     """Return the signed angle (rad) from g to one arc of the boundary under a wrench.
 
@@ -170,7 +145,7 @@ def axis_angle(
     """
     if counts_whole(region, wrench):
         return whole_axis_angle(axes.arc, b, g)
-    rho, phi = wrench[RHO], part(wrench, PHI)
+    rho, phi = wrench.rho, read3(wrench.phi)
     if rho == 0.0:
         away = loaded_arc(region, axes, b, phi, g)
         return away if standing else -away
@@ -181,7 +156,7 @@ def axis_angle(
 
 @njit(bare=True)
 def loaded_margin(
-    region: Region, axes: Axes, b: int, wrench: Floats, standing: bool, g: Vector
+    region: Region, axes: Axes, b: int, wrench: Wrench, standing: bool, g: Vector
 ) -> float:
     """Return the signed distance from the resultant's line to one axis, less what rho takes.
 
@@ -190,15 +165,15 @@ def loaded_margin(
     delta away moves the weight alone, so it takes rho |e x g| / |e x F|, at most rho / |F|.
     """
     axis, arc = axes.arc[b], region.arc[b]
-    rho, mu = wrench[RHO], part(wrench, MU)
-    force = add(g, part(wrench, PHI))
+    rho, mu = wrench.rho, read3(wrench.mu)
+    force = add(g, read3(wrench.phi))
     size = length(force)
     if size < 1e-12:
         return -math.inf
     direction = scale(force, 1.0 / size)
     side, normal = read3(axis.along), read3(axis.normal)
     across = length(cross(side, direction))
-    convex = region.counts[CONVEX] == 1
+    convex = region.counts.convex == 1
     if convex and across > 1e-12:
         lever = axis.distance * (dot(normal, force) + axis.moment)
         return float((lever - rho * length(cross(side, g))) / (across * size))
@@ -209,7 +184,7 @@ def loaded_margin(
 
 
 @njit(bare=True)
-def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tuple[int, int, float]:
+def loaded_verdict(region: Region, axes: Axes, wrench: Wrench, g: Vector) -> tuple[int, int, float]:
     """Return the seat that carries, the status (stands, rocks, tips), and the tip angle.
 
     The angle is in rad, and not negative where the robot does not tip.  With an uncertain com the
@@ -220,10 +195,10 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     angles counts.
     """
     count = region.counts
-    if count[ACCEPTED] == 0:
+    if count.accepted == 0:
         return -1, TIPS, -math.pi
-    force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
-    convex = count[CONVEX] == 1
+    force, mu = add(g, read3(wrench.phi)), read3(wrench.mu)
+    convex = count.convex == 1
     if length(mu) > 0.0:
         k, status = _seat_under_moment(region, force, mu)
     else:
@@ -233,11 +208,11 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
             k, status = region.cone[cone].seat, region.cone[cone].status
     standing, whole = status != TIPS, counts_whole(region, wrench)
     angle = math.pi if standing or whole else -math.pi
-    for b in range(count[ARCS]):
+    for b in range(count.arcs):
         here = axis_angle(region, axes, b, wrench, standing, g)
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
-        for f in range(count[ACCEPTED]):
+        for f in range(count.accepted):
             if not region.seat[f].is_rest:
                 continue
             here, facet = math.pi, region.facet[region.seat[f].facet]
@@ -256,7 +231,7 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
 
 @njit(bare=True)
 def measure_loaded(
-    region: Region, axes: Axes, wrench: Floats, g: Vector, wanted: Bools, out: Floats
+    region: Region, axes: Axes, wrench: Wrench, g: Vector, wanted: Bools, out: Floats
 ) -> None:
     """Fill `out` with the channels of one direction, see `exact.measure`.
 
@@ -269,15 +244,15 @@ def measure_loaded(
     out[TIP], out[FACET], out[STATUS] = angle, -1.0, status
     if standing:
         seat = region.seat[k]
-        force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
+        force, mu = add(g, read3(wrench.phi)), read3(wrench.mu)
         pierced = zero_moment_point(read3(seat.plane), force, mu)
         out[SDG] = length(subtract(pierced, read3(seat.centroid)))
         out[HEIGHT], out[FACET] = seat.height, k
     if not wanted[MARGIN]:
         return
-    outward = not standing and region.counts[CONVEX] == 0
-    margin = -math.inf if outward or region.counts[ACCEPTED] == 0 else math.inf
-    for b in range(region.counts[ARCS]):
+    outward = not standing and region.counts.convex == 0
+    margin = -math.inf if outward or region.counts.accepted == 0 else math.inf
+    for b in range(region.counts.arcs):
         away = loaded_margin(region, axes, b, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[MARGIN] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)

@@ -8,16 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.arrays import Floats, Ints
-from lutgen.channels.axes import MU, PHI, Axes, empty_axes, find_axes, part
-from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure, wanted_channels
-from lutgen.channels.loads import measure_loaded, share_of
+from lutgen.channels.axes import Axes, Wrench, empty_axes, find_axes
+from lutgen.channels.exact import NO_GROUPS, SHARE, Setting, measure
+from lutgen.channels.loads import measure_loaded
 from lutgen.channels.resting import CONVENTIONS, settled
+from lutgen.channels.shares import least_share
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.parts import ZERO
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import Acceptance, Region, empty_region, stand
-from lutgen.vector import add, row, write3
+from lutgen.vector import add, read3, row, write3
 
 # Directions of one posture are measured in stretches of this many: a thread takes some of them.
 STRETCH = 1024
@@ -49,7 +50,7 @@ def measure_some(
     span: tuple[int, int],
     memory: Memory,
     primitives: Floats,
-    wrench: Floats | None,
+    wrench: NDArray[Wrench] | None,
     gravity_dir: Floats,
     setting: Setting,
     out: Floats,
@@ -70,7 +71,7 @@ def measure_some(
             stand(region, primitives[posture], accept)
             if wrench is not None:
                 find_axes(region, wrench[posture], axes)
-                phi, mu = part(wrench[posture], PHI), part(wrench[posture], MU)
+                phi, mu = read3(wrench[posture].phi), read3(wrench[posture].mu)
         directions = gravity_dir[posture % gravity_dir.shape[0]]
         for d in range(first, min(first + STRETCH, count)):
             g = row(directions, d)
@@ -82,7 +83,7 @@ def measure_some(
             else:
                 measure_loaded(region, axes, wrench[posture], g, wanted, values)
             if wanted[SHARE]:
-                values[SHARE] = share_of(region, values, add(g, phi), mu, groups)
+                values[SHARE] = least_share(region, values, add(g, phi), mu, groups)
             place = 0
             for c in range(len(CHANNELS)):
                 if wanted[c]:
@@ -95,21 +96,21 @@ def measure_postures(
     gravity_dir: Floats,
     channels: Sequence[str],
     limits: Acceptance,
-    wrench: Floats | None = None,
+    wrench: NDArray[Wrench] | None = None,
     groups: Ints = NO_GROUPS,
     convention: str = "body",
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels (m, d) of m postures under d directions.
 
-    `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m, 7) those
-    of `wrench.wrenches`, or None for the weight alone, which is faster; the unit directions
+    `primitives` (m, n, 8) are rows of `primitive.pack`, relative to the com, `wrench` (m,) those
+    of `evaluation.wrenches`, or None for the weight alone, which is faster; the unit directions
     (m, d, 3) or (1, d, 3) point down; `limits` are of `support.acceptance`, and `groups` (n,) those
     of `shares.least_share`.  Directions (m, d, 3) of the `convention` "plane" are turned into the
     body in place, if they are a writeable C-contiguous array.
     """
     if convention not in CONVENTIONS:
         raise InputError(f"unknown convention {convention!r}; choose from {', '.join(CONVENTIONS)}")
-    setting = Setting(limits, wanted_channels(channels), groups, convention == "plane")
+    setting = Setting(limits, np.array(wanted(channels)), groups, convention == "plane")
     # No row that is not wanted: memory that is touched first takes longer than what fills it.
     out = np.empty((setting.wanted.sum(), len(primitives), gravity_dir.shape[1]))
     stretches = -(-gravity_dir.shape[1] // STRETCH)

@@ -15,7 +15,7 @@ import math
 from lutgen.arrays import Vector
 from lutgen.channels.axes import lowest_lever
 from lutgen.jit import njit
-from lutgen.support import ACCEPTED, Region
+from lutgen.support import Region
 from lutgen.vector import add, read3, scale
 
 CONVENTIONS = ("body", "plane")
@@ -51,7 +51,7 @@ def settled(region: Region, phi: Vector, mu: Vector, gravity_plane: Vector) -> V
     body's own.
     """
     best, best_up, nearest, nearest_inside = -1, -2.0, -1, -math.inf
-    for k in range(region.counts[ACCEPTED]):
+    for k in range(region.counts.accepted):
         if not region.seat[k].is_rest:
             continue
         up = scale(read3(region.seat[k].normal), -1.0)

@@ -24,7 +24,7 @@ from lutgen.channels.exact import (
 )
 from lutgen.chart import Chart
 from lutgen.jit import njit
-from lutgen.support import ACCEPTED, ARCS, CONES, CONVEX, ON_AXIS, TIPS, Region
+from lutgen.support import ON_AXIS, TIPS, Region
 from lutgen.vector import dot, read3, row, write3
 
 # A wall whose slope along a row is less than this runs along it; rows nearer to it than WITHIN are
@@ -72,7 +72,8 @@ class Scratch(NamedTuple):
 def nodes_of(chart: Chart) -> Nodes:
     """Return the nodes of a chart."""
     coords = np.concatenate([chart.coords, np.full(PAD, chart.coords[-1])])
-    return Nodes(chart.basis(), coords, chart.inverse_length())
+    v, u = np.meshgrid(chart.coords, chart.coords, indexing="ij")
+    return Nodes(chart.basis(), coords, 1.0 / np.sqrt(1.0 + u * u + v * v))
 
 
 @njit(inline=True, bare=True)
@@ -144,7 +145,7 @@ def draw(
             marks, empty = out[channel], np.float32(none)
             for i in range(rows.at, rows.at + rows.size * count):
                 marks[i] = empty
-    for k in range(region.counts[CONES] - 1, -1, -1):  # The first cone has the last word.
+    for k in range(region.counts.cones - 1, -1, -1):  # The first cone has the last word.
         first, walls, place = region.cone[k].first, region.cone[k].count, region.cone[k].seat
         for w in range(walls):
             write3(line[w], _on_face(nodes, rows.face, row(region.wall, first + w)))
@@ -210,12 +211,12 @@ def _near_arcs(
     for i in (left, right):
         for r in (tile.first, top):
             cosine = min(cosine, dot(middle, node_direction(nodes, tile.face, i, r)))
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         line[4 * b + 3, 1] = arc_nearness(region, b, middle)
         nearest = min(nearest, line[4 * b + 3, 1])
     reach = min(angle_of(nearest) + 2.0 * math.acos(cosine) + DOUBT, math.pi)
     square = math.sin(reach) ** 2
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         if line[4 * b + 3, 1] <= (square if reach < 0.5 * math.pi else 2.0 - square):
             near[count] = b
             count += 1
@@ -305,8 +306,8 @@ def fill_tip_angles(
 ) -> None:
     """Fill the tip angles (rad) of rows; `draw` has left NaN in |SD_g| where the robot tips."""
     coords, count, line, low = nodes.coords, nodes.inverse.shape[0], scratch.line, scratch.low
-    arcs, convex, sdg, tip = region.counts[ARCS], region.counts[CONVEX] == 1, out[SDG], out[TIP]
-    if region.counts[ACCEPTED] == 0 or arcs == 0:
+    arcs, convex, sdg, tip = region.counts.arcs, region.counts.convex == 1, out[SDG], out[TIP]
+    if region.counts.accepted == 0 or arcs == 0:
         for i in range(rows.at, rows.at + rows.size * count):
             tip[i] = np.float32(math.pi if sdg[i] == sdg[i] else -math.pi)
         return

@@ -10,14 +10,13 @@ from functools import partial
 import numpy as np
 
 from lutgen.arrays import Floats, Singles
-from lutgen.channels.evaluation import measure_recipe
-from lutgen.channels.exact import TIP, Setting, wanted_channels
+from lutgen.channels.evaluation import acceptance_of, measure_recipe, primitives_of
+from lutgen.channels.exact import TIP, Setting
 from lutgen.channels.measuring import Memory, own_memory
 from lutgen.channels.rows import PAD, TALL, Nodes, Rows, Scratch, draw, fill_tip_angles, nodes_of
-from lutgen.channels.wrench import acceptance_of, primitives_of
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.recipe import Recipe, forward
 from lutgen.support import stand
 
@@ -44,19 +43,19 @@ def scan_part(
     primitives: Floats,
     setting: Setting,
     nodes: Nodes,
-    lines: tuple[int, int],
     out: Singles,
 ) -> None:
     """Fill a span of rows of a block, counted through its postures; see `scan`."""
     ((region, _, _), scratch), accept, wanted = memory, setting.acceptance, setting.wanted
-    first, per_posture, count = lines[0], lines[1] - lines[0], nodes.inverse.shape[0]
+    count = nodes.inverse.shape[0]
+    per_posture = nodes.basis.shape[0] * count
     band, current, (line, end) = scratch.span.shape[1], -1, span
     while line < end:
         posture = line // per_posture
         if posture != current:
             current = posture
             stand(region, primitives[posture], accept)
-        place = first + line - posture * per_posture
+        place = line - posture * per_posture
         face, first_row = place // count, place % count
         size = min(band, count - first_row, end - line, (posture + 1) * per_posture - line)
         rows = Rows(face, first_row, size, line * count)
@@ -66,31 +65,19 @@ def scan_part(
             fill_tip_angles(region, nodes, rows, scratch, out)
 
 
-def scan(
-    primitives: Floats, setting: Setting, nodes: Nodes, lines: tuple[int, int], out: Singles
-) -> None:
-    """Fill the channels of a block of postures over a range of rows.
+def scan(primitives: Floats, setting: Setting, nodes: Nodes, out: Singles) -> None:
+    """Fill the channels of a block of postures (m, n, 8).
 
-    Parameters
-    ----------
-    primitives : (m, n, 8) float64
-        Primitives of every posture, relative to the com, rows of `primitive.pack`.
-    setting : Setting
-        Limits of facets, and the channels to fill, of `BY_ROWS`.
-    nodes : Nodes
-        The directions.
-    lines : tuple of int
-        First row and the one after the last, of the faces * nodes rows of a posture.
-    out : (channels, at least m * rows * nodes) float32
-        Filled from the left where wanted; |SD_g| always.  C-contiguous: of a strided array the
-        compiler makes loops three times as slow.
+    `out` (channels, at least m * faces * nodes * nodes) is filled from the left where `BY_ROWS` are
+    wanted; |SD_g| always.  C-contiguous: of a strided array the compiler makes loops three times as
+    slow.
     """
-    rows, memory = len(primitives) * (lines[1] - lines[0]), partial(scratch_for, nodes)
-    in_threads(scan_part, rows, memory, primitives, setting, nodes, lines, out)
+    rows = len(primitives) * len(nodes.basis) * len(nodes.inverse)
+    in_threads(scan_part, rows, partial(scratch_for, nodes), primitives, setting, nodes, out)
 
 
 class Scanner:
-    """Fills channels of any postures of a recipe over rows of a chart.
+    """Fills channels of any postures of a recipe over a chart.
 
     `rows` is the number of rows of a posture: faces * nodes.
     """
@@ -99,22 +86,21 @@ class Scanner:
         self._recipe, self._channels = recipe, channels
         self.rows = chart.faces * chart.nodes
         self._nodes = nodes_of(chart)
-        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels))
+        self._setting = Setting(acceptance_of(recipe), np.array(wanted(channels)))
         by_node = recipe.loaded or not BY_ROWS.issuperset(channels)
-        self._directions = chart.directions().reshape(self.rows, -1, 3) if by_node else None
+        self._directions = chart.directions().reshape(1, -1, 3) if by_node else None
 
-    def fill(self, params: Floats, first: int, last: int, out: Singles) -> None:
-        """Fill `out` for postures (m, k) over rows [first, last) of each; see `scan`."""
+    def fill(self, params: Floats, out: Singles) -> None:
+        """Fill `out` for postures (m, k); see `scan`."""
         if self._directions is None:
             primitives = primitives_of(self._recipe, forward(self._recipe, params))
-            scan(primitives, self._setting, self._nodes, (first, last), out)
+            scan(primitives, self._setting, self._nodes, out)
             return
-        directions = self._directions[first:last].reshape(1, -1, 3)
-        count = directions.shape[1]
+        count = self._directions.shape[1]
         few = max(1, AT_ONCE // count)
         for begin in range(0, len(params), few):
             some = forward(self._recipe, params[begin : begin + few])
-            values = measure_recipe(self._recipe, some, directions, self._channels)
+            values = measure_recipe(self._recipe, some, self._directions, self._channels)
             for name, found in values.items():
                 place = slice(begin * count, begin * count + found.size)
                 out[CHANNELS.index(name), place] = found.ravel()

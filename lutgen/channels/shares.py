@@ -10,8 +10,10 @@ import math
 import numpy as np
 
 from lutgen.arrays import Floats, Ints, Vector
+from lutgen.channels.axes import zero_moment_point
+from lutgen.channels.exact import FACET, STATUS
 from lutgen.jit import njit
-from lutgen.support import SHOWN, STANDS, TIPS, Region, plane_axes, support_contact
+from lutgen.support import STANDS, TIPS, Region, plane_axes, support_contact
 from lutgen.vector import add, cross, dot, read3, row, scale, subtract
 
 # Newton's steps: a handful are taken.
@@ -109,18 +111,21 @@ def axle_foot(
 
 
 @njit()
-def least_share(region: Region, k: int, status: int, pierced: Vector, groups: Ints) -> float:
-    """Return the least share of the weight that a group carries on seat k, D_g being `pierced`.
+def least_share(region: Region, values: Floats, force: Vector, mu: Vector, groups: Ints) -> float:
+    """Return the least share of the weight that a group carries under a force and a moment.
 
-    `groups` (n,) are bits of rows of the recipe's contacts; of none each contact that touches the
-    facet counts by itself.  NaN where the robot tips, and 0 where it rocks, over two contacts.
+    The facet and the status of the direction are in `values`.  `groups` (n,) are bits of rows of
+    the recipe's contacts; of none each contact that touches the facet counts by itself.  NaN where
+    the robot tips, and 0 where it rocks, over two contacts.
     """
-    if status != STANDS:
-        return math.nan if status == TIPS else 0.0
+    k, status = int(values[FACET]), int(values[STATUS])
+    if k < 0 or status != STANDS:
+        return math.nan if k < 0 or status == TIPS else 0.0
+    pierced = zero_moment_point(read3(region.seat[k].plane), force, mu)
     seat, shown = region.seat[k], region.shown
     normal = read3(seat.normal)
     one, two = plane_axes(normal)
-    arm, bits = np.empty((region.counts[SHOWN], 2)), np.empty(region.counts[SHOWN], np.int64)
+    arm, bits = np.empty((region.counts.shown, 2)), np.empty(region.counts.shown, np.int64)
     count, mask, swings = 0, seat.mask, region.facet[seat.facet].swings == 1
     split = (0.0, 0.0, 0.0)
     axle = region.axle[seat.facet]
@@ -136,7 +141,7 @@ def least_share(region: Region, k: int, status: int, pierced: Vector, groups: In
         away = subtract(foot, pierced)
         arm[0, 0], arm[0, 1] = dot(one, away), dot(two, away)
         count = 1
-    for i in range(region.counts[SHOWN]):
+    for i in range(region.counts.shown):
         if mask >> i & 1:
             away = subtract(support_contact(shown, i, normal), pierced)
             arm[count, 0], arm[count, 1] = dot(one, away), dot(two, away)

@@ -38,11 +38,8 @@ class Computer:
     def compute(self, block: Block) -> list[NDArray[Any]]:
         """Return the values (nodes,) of each channel; the next block overwrites them."""
         posture = self._scanner.rows
-        begin, end = block.first // posture, -(-block.last // posture)
-        part = block.first - begin * posture
-        last = part + block.last - block.first if end - begin == 1 else posture
-        params = self._recipe.grid.params(np.arange(begin, end))
-        self._scanner.fill(params, part, last, self._out)
+        some = np.arange(block.first // posture, block.last // posture)
+        self._scanner.fill(self._recipe.grid.params(some), self._out)
         nodes = (block.last - block.first) * self._recipe.chart.nodes
         return [
             self._out[CHANNELS.index(name), :nodes].astype(QUANTITIES[name].stored_type, copy=False)
@@ -84,11 +81,14 @@ def require_standing(recipe: Recipe) -> None:
     size, chart = recipe.grid.size, recipe.chart
     few = Chart(chart.kind, min(chart.nodes, COARSE_NODES), chart.max_tilt)
     for looked in (few, chart):
-        directions = math.prod(looked.shape)
+        directions, scanner = math.prod(looked.shape), Scanner(recipe, looked, ("sdg",))
         # Each time postures from everywhere.
         times = min(size, -(-size * directions // AT_ONCE))
         for first in range(min(times, AT_MOST // max(directions, AT_ONCE))):
-            if _any_stands(recipe, np.arange(first, size, times), looked):
+            params = recipe.grid.params(np.arange(first, size, times))
+            out = np.full((len(CHANNELS), len(params) * directions), np.nan, np.float32)
+            scanner.fill(params, out)
+            if np.isfinite(out[CHANNELS.index("sdg")]).any():
                 return
     if size * directions > AT_MOST:
         return
@@ -97,11 +97,3 @@ def require_standing(recipe: Recipe) -> None:
         f"postures under any of the {directions} gravity directions of its chart (got contacts "
         f"{', '.join(recipe.contact_names)}); {TO_STAND}"
     )
-
-
-def _any_stands(recipe: Recipe, postures: NDArray[np.intp], chart: Chart) -> bool:
-    """Return True if the robot stands in any of some postures, by number, in any direction."""
-    scanner = Scanner(recipe, chart, ("sdg",))
-    out = np.full((len(CHANNELS), len(postures) * scanner.rows * chart.nodes), np.nan, np.float32)
-    scanner.fill(recipe.grid.params(postures), 0, scanner.rows, out)
-    return bool(np.isfinite(out[CHANNELS.index("sdg")]).any())

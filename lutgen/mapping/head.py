@@ -43,8 +43,8 @@ class Block(NamedTuple):
 class Layout:
     """The blocks of a recipe's map and, once HDF5 has chosen them, the `places` of its channels.
 
-    A block has `rows` rows, whole postures or a part of one; the last of either may have fewer.
-    `places` are the bytes at which the channels begin; the digests of blocks depend on `version`.
+    A block has `rows` rows, whole postures; the last may have fewer.  `places` are the bytes at
+    which the channels begin; the digests of blocks depend on `version`.
     """
 
     recipe: Recipe
@@ -58,22 +58,14 @@ class Layout:
         return (*self.recipe.grid.shape, *self.recipe.chart.shape)
 
     @property
-    def _uncut(self) -> int:
-        """Rows of which blocks are cut: those of the whole map, or of one posture."""
-        posture = math.prod(self.shape[-3:-1])
-        return posture if self.rows % posture else math.prod(self.shape[:-1])
-
-    @property
     def count(self) -> int:
         """Number of blocks."""
-        return math.prod(self.shape[:-1]) // self._uncut * -(-self._uncut // self.rows)
+        return -(-math.prod(self.shape[:-1]) // self.rows)
 
     def block(self, number: int) -> Block:
         """Return a block by its number, 0 <= number < count."""
-        uncut = self._uncut
-        whole, part = divmod(number, -(-uncut // self.rows))
-        first = whole * uncut + part * self.rows
-        return Block(number, first, min(first + self.rows, (whole + 1) * uncut))
+        first = number * self.rows
+        return Block(number, first, min(first + self.rows, math.prod(self.shape[:-1])))
 
     def span(self, index: int, number: int) -> tuple[int, int]:
         """Return place and size of one block of a channel, in bytes."""
@@ -95,18 +87,11 @@ class Layout:
 
 
 def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Layout:
-    """Return the blocks of a recipe's map: of at most `block_nodes` nodes each, or one row."""
+    """Return the blocks of a recipe's map: of at most `block_nodes` nodes each, or one posture."""
     faces, side, width = recipe.chart.shape
-    posture = faces * side
-    most = min(block_nodes // (posture * width), BLOCK_POSTURES)
-    if most:
-        return Layout(recipe, posture * _even(recipe.grid.size, most))
-    return Layout(recipe, _even(posture, max(1, block_nodes // width)))
-
-
-def _even(count: int, most: int) -> int:
-    """Return the size of the fewest parts of nearly equal size, each at most `most`."""
-    return -(-count // -(-count // most))
+    most = max(1, min(block_nodes // (faces * side * width), BLOCK_POSTURES))
+    blocks = -(-recipe.grid.size // most)
+    return Layout(recipe, faces * side * -(-recipe.grid.size // blocks))
 
 
 # The definition of what stands (docs/reference/conventions.md).

@@ -302,16 +302,13 @@ def share_that_tips(stability_map: StabilityMap) -> float | None:
         return None
     worst = len(QUANTITIES[name].words) - 1
     weight = stability_map.chart.solid_angle()
-    # How many postures tip in each direction, (faces * nodes, nodes).
-    tipping = np.zeros((weight.size // weight.shape[-1], weight.shape[-1]), np.int64)
-    for row, values in stability_map.pieces(name):
+    # How many postures tip in each direction.
+    tipping = np.zeros(weight.shape, np.int64)
+    for _, values in stability_map.pieces(name):
         if worst >= 0:
             tips = values == worst
         else:
             tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
-        # A block is whole postures or a part of one.
-        first = row % len(tipping)
-        some = tipping[first : first + len(tips)]
-        some += tips.reshape(-1, *some.shape).sum(axis=0)
-    mean = tipping.reshape(weight.shape) / stability_map.recipe.grid.size
+        tipping += tips.reshape(-1, *weight.shape).sum(axis=0)
+    mean = tipping / stability_map.recipe.grid.size
     return float((mean * weight).sum() / weight.sum())

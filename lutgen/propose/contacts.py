@@ -237,24 +237,17 @@ def inner_contacts(
     radius = np.array([contact.radius for contact in contacts])
     centre, axis = placed(contacts, where)
     same = SAME * robot_size(contacts, where)
-    distinct = np.ones(len(contacts), bool)
-    inner = np.zeros(len(contacts), bool)
+    # Parallel to within the tolerance at the rim; zero vectors of other contacts are.
+    lean = np.linalg.norm(np.cross(axis[:, None], axis), axis=2)
+    alike = (part[:, None] == part) & (round_[:, None] == round_)
+    alike &= radius[:, None] * lean <= same
+    apart = np.linalg.norm(centre[:, None] - centre, axis=2) + np.abs(radius[:, None] - radius)
     # Equal ones first: each of them lies in the hull of the other.
-    for hull in (False, True):
-        for k in range(len(contacts)):
-            if not distinct[k]:
-                continue
-            distinct[k] = False
-            others = distinct & (part == part[k]) & (round_ == round_[k])
-            # Parallel to within the tolerance at the rim; zero vectors of other contacts are.
-            others &= radius[k] * np.linalg.norm(np.cross(axis, axis[k]), axis=1) <= same
-            if hull:
-                inner[k] = _between(k, np.flatnonzero(others), centre, radius, same)
-                distinct[k] = True
-            else:
-                gaps = np.linalg.norm(centre - centre[k], axis=1) + np.abs(radius - radius[k])
-                inner[k] = bool(np.any(others & (gaps <= same)))
-                distinct[k] = not inner[k]
+    inner = np.triu(alike & (apart <= same), 1).any(axis=1)
+    alike &= ~inner
+    np.fill_diagonal(alike, False)
+    for k in np.flatnonzero(~inner).tolist():
+        inner[k] = _between(k, np.flatnonzero(alike[k]), centre, radius, same)
     return [contact for contact, is_inner in zip(contacts, inner, strict=True) if is_inner]
 
 

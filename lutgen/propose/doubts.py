@@ -5,7 +5,6 @@ Axles that swing are joints about the way ahead that no motor holds and that car
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -45,15 +44,6 @@ def swinging_axles(
             limit = stops if math.isfinite(stops) and stops > 0.0 else None
             found.append(Axle(joint.name, names, joint.parent, joint.origin, axis, limit))
     return tuple(found)
-
-
-def with_axles_fixed(robot: UrdfRobot, axles: Sequence[Axle]) -> UrdfRobot:
-    """Return a description whose axles are held in mid-swing: no parameter moves them."""
-    names = {axle.name for axle in axles}
-    joints = [
-        replace(joint, kind="fixed") if joint.name in names else joint for joint in robot.joints
-    ]
-    return replace(robot, joints=tuple(joints))
 
 
 # A shape so many times larger than what the joints span is in another unit.

@@ -15,7 +15,7 @@ from lutgen.propose.contacts import (
     refuse_bolted,
 )
 from lutgen.propose.couplings import Coupling, chosen_motion
-from lutgen.propose.doubts import doubts, swinging_axles, with_axles_fixed
+from lutgen.propose.doubts import doubts, swinging_axles
 from lutgen.propose.opened import drawn, opened_meshes, with_support
 from lutgen.propose.text import (
     axle_note,
@@ -93,7 +93,10 @@ def import_urdf(
     whole, inner = robot, inner_contacts(robot, motion, found, rest)
     outer = [contact for contact in found if contact not in inner]
     if joints is None:
-        robot = with_axles_fixed(robot, swinging_axles(robot, outer, rest))
+        # Axles that swing are held in mid-swing: no parameter moves them.
+        swing = {axle.name for axle in swinging_axles(robot, outer, rest)}
+        fixed = (replace(j, kind="fixed") if j.name in swing else j for j in robot.joints)
+        robot = replace(robot, joints=tuple(fixed))
     motion, because = chosen_motion(robot, found, joints, posture, coupling)
     inner = inner_contacts(robot, motion, found, rest)
     kept: dict[str, Contact] = {}

@@ -20,6 +20,8 @@ from lutgen.recipe.model import Recipe
 from lutgen.vector import rotation
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
+# Share of a parameter's limits by which a value may be beyond them.
+ROUNDING = 1e-9
 
 
 class Postures(NamedTuple):
@@ -46,7 +48,7 @@ class Postures(NamedTuple):
 class Tree(NamedTuple):
     """The links as flat arrays, parents before children, and what is attached to them."""
 
-    link: Ints  # (l, 3): parent, -1 for the root; FIXED, REVOLUTE or PRISMATIC; column of params
+    link: Ints  # (l, 3): parent; FIXED, REVOLUTE or PRISMATIC; column of params
     motion: Floats  # (l, 8): origin; joint's axis, scale and offset
     rotation: Floats  # (l, 3, 3)
     mass: Floats  # (l,) share of the whole mass
@@ -74,7 +76,8 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     tree, ends = _tree(recipe), np.cumsum(counts)
     points, axes = np.empty((2, len(values), len(tree.point_link), 3))
     com = np.empty((len(values), 3))
-    _forward(values, tree, points, axes, com)
+    turn = np.concatenate([tree.rotation, np.empty((2, 3, 3))])
+    _forward(values, tree, turn, np.zeros((len(tree.link), 3)), points, axes, com)
     com += recipe.com_offset
     points -= recipe.com_offset
     contacts, forces, pivots, swung = np.split(points, ends, axis=1)
@@ -130,7 +133,19 @@ def within_limits(
     values = _checked(recipe, params)
     ends = ends or [(parameter.minimum, parameter.maximum) for parameter in recipe.parameters]
     for parameter, column, (low, high) in zip(recipe.parameters, values.T, ends, strict=True):
-        parameter.require(column, recipe.source, low, high)
+        # Angles in deg round when they become rad.
+        rounding = ROUNDING * max(high - low, abs(low), abs(high))
+        inside = (low - rounding <= column) & (column <= high + rounding)
+        if not inside.all():
+            row, shown = int(inside.argmin()), parameter.shown
+            got = f"{shown(column[row]):.6g}"
+            if parameter.display_unit == "deg":
+                got += f" deg = {column[row]:.6g} rad"
+            raise InputError(
+                f"{recipe.source}: parameter {parameter.name} must lie in {shown(low):g} to "
+                f"{shown(high):g} {parameter.display_unit} (got {got}"
+                f"{f' in row {row}' if len(column) > 1 else ''}); the limits are in that file."
+            )
     return values
 
 
@@ -181,7 +196,7 @@ def _tree(recipe: Recipe) -> Tree:
     kinds = {"fixed": FIXED, "revolute": REVOLUTE, "prismatic": PRISMATIC}
     still, steps, motion = Joint("fixed", ZERO, "", 0.0, 0.0), [], []
     for link in links:
-        joint, parent = link.joint or still, -1 if link.parent is None else row[link.parent]
+        joint, parent = link.joint or still, row.get(link.parent or "", 0)
         steps.append((parent, kinds[joint.kind], column.get(joint.parameter, 0)))
         motion.append((*link.origin, *joint.axis, joint.scale, joint.offset))
     return Tree(
@@ -196,7 +211,7 @@ def _tree(recipe: Recipe) -> Tree:
     )
 
 
-@njit()
+@njit(bare=True)
 def _turn(axis: Floats, angle: float, out: Floats) -> None:
     c, s = math.cos(angle), math.sin(angle)
     x, y, z, d = axis[0], axis[1], axis[2], 1.0 - c
@@ -211,7 +226,7 @@ def _turn(axis: Floats, angle: float, out: Floats) -> None:
     out[2, 2] = c + z * z * d
 
 
-@njit()
+@njit(bare=True)
 def _multiply(left: Floats, right: Floats, out: Floats) -> None:
     for i in range(3):
         for j in range(3):
@@ -220,75 +235,57 @@ def _multiply(left: Floats, right: Floats, out: Floats) -> None:
             )
 
 
-@njit()
-def _copy(matrix: Floats, out: Floats) -> None:
-    """Copy a 3 x 3 matrix; assigning a slice would compile the sentences of its errors, too."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = matrix[i, j]
-
-
-@njit()
+@njit(bare=True)
 def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
     return float(matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
 
 
-@njit()
-def _place(
-    link: int,
-    params: Floats,
-    tree_link: Ints,
-    motion: Floats,
-    fixed: Floats,
-    turn: Floats,
-    where: Floats,
-) -> None:
+@njit(bare=True)
+def _place(link: int, params: Floats, tree: Tree, turn: Floats, where: Floats) -> None:
     """Write rotation and origin of a link in the body frame, after those of its parent.
 
     `turn` has two matrices more than there are links, as scratch.
     """
-    here, axis = turn[link], motion[link, 3:6]
-    above, joint = tree_link[link, 0], tree_link[link, 1]
-    if above < 0:
-        _copy(fixed[link], here)
-        for i in range(3):
-            where[link, i] = motion[link, i]
-    else:
-        _multiply(turn[above], fixed[link], here)
-        for i in range(3):
-            where[link, i] = where[above, i] + _rotate(turn[above], motion[link], i)
-    if joint == FIXED:
-        return
-    value = motion[link, 6] * params[tree_link[link, 2]] + motion[link, 7]
+    here, (above, joint, column) = turn[link], tree.link[link]
+    motion, fixed, value = tree.motion[link], tree.rotation[link], 0.0
+    for i in range(3):
+        where[link, i] = where[above, i] + _rotate(turn[above], motion, i)
+    if joint != FIXED:
+        value = motion[6] * params[column] + motion[7]
     if joint == REVOLUTE:
         before, about = turn[turn.shape[0] - 2], turn[turn.shape[0] - 1]
-        _copy(here, before)
-        _turn(axis, value, about)
+        _multiply(turn[above], fixed, before)
+        _turn(motion[3:6], value, about)
         _multiply(before, about, here)
-    else:
+        return
+    _multiply(turn[above], fixed, here)
+    if joint == PRISMATIC:
         for i in range(3):
-            where[link, i] += value * _rotate(here, axis, i)
+            where[link, i] += value * _rotate(here, motion[3:6], i)
 
 
-@njit()
-def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floats) -> None:
-    """Write postures, each one computed by itself."""
-    # Taken out of the tuple once: numba counts references each time.
-    tree_link, motion, fixed = tree.link, tree.motion, tree.rotation
-    mass, link_com = tree.mass, tree.com
-    point_link, point_position, point_axis = tree.point_link, tree.point_position, tree.point_axis
-    links = len(tree_link)
-    turn = np.empty((links + 2, 3, 3))
-    where = np.empty((links, 3))
+@njit(bare=True)
+def _forward(
+    params: Floats,
+    tree: Tree,
+    turn: Floats,
+    where: Floats,
+    points: Floats,
+    axes: Floats,
+    com: Floats,
+) -> None:
+    """Write postures, each one computed by itself; the root's place is in `turn` and `where`."""
     for m in range(len(params)):
         com[m, 0] = com[m, 1] = com[m, 2] = 0.0
-        for link in range(links):
-            _place(link, params[m], tree_link, motion, fixed, turn, where)
+        for link in range(len(tree.link)):
+            if link > 0:
+                _place(link, params[m], tree, turn, where)
             for i in range(3):
-                com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
-        for n in range(len(point_link)):
-            link = point_link[n]
+                own = where[link, i] + _rotate(turn[link], tree.com[link], i)
+                com[m, i] += tree.mass[link] * own
+        for n in range(len(tree.point_link)):
+            link = tree.point_link[n]
             for i in range(3):
-                centre = where[link, i] + _rotate(turn[link], point_position[n], i)
+                centre = where[link, i] + _rotate(turn[link], tree.point_position[n], i)
                 points[m, n, i] = centre - com[m, i]
-                axes[m, n, i] = _rotate(turn[link], point_axis[n], i)
+                axes[m, n, i] = _rotate(turn[link], tree.point_axis[n], i)

@@ -22,6 +22,7 @@ from lutgen.parts import (
     Link,
     Parameter,
     Wheel,
+    three,
     to_internal,
 )
 from lutgen.recipe import schema
@@ -124,12 +125,6 @@ def recipe_digest(text: str, urdf: str | None = None) -> str:
 Part = TypeVar("Part")
 
 
-def three(vector: Sequence[float]) -> Vector:
-    """Return the three numbers of a list."""
-    x, y, z = vector
-    return x, y, z
-
-
 def unit(vector: Sequence[float]) -> Vector:
     """Return a direction with length 1."""
     x, y, z = vector
@@ -186,16 +181,14 @@ def knots_of(parameter: schema.Parameter, samples: int | list[float]) -> Floats:
 def links_of(robot: Robot) -> tuple[Link, ...]:
     """Return the links of a robot; `body` comes first where the recipe does not have it."""
     units = {one.name: one.unit for one in robot.parameter}
-    links = [part(Link, one, joint=_joint(one.joint, units)) for one in robot.link]
-    body = () if any(link.name == "body" for link in links) else (Link("body"),)
-    return (*body, *links)
-
-
-def _joint(joint: schema.Joint | None, units: Mapping[str, str]) -> Joint | None:
-    if joint is None or joint.axis is None or joint.parameter is None:
-        return None
-    offset = to_internal(joint.offset, units[joint.parameter])
-    return part(Joint, joint, kind=joint.type, offset=offset)
+    links = [] if any(one.name == "body" for one in robot.link) else [Link("body")]
+    for one in robot.link:
+        joint, moves = None, one.joint
+        if moves is not None and moves.axis is not None and moves.parameter is not None:
+            offset = to_internal(moves.offset, units[moves.parameter])
+            joint = part(Joint, moves, kind=moves.type, offset=offset)
+        links.append(part(Link, one, joint=joint))
+    return tuple(links)
 
 
 def contacts_of(robot: Robot, shapes: Mapping[int, Sequence[Contact]]) -> tuple[Contact, ...]:

@@ -5,7 +5,7 @@ import os
 
 from lutgen.chart import Chart
 from lutgen.grid import Axis, Grid
-from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link
+from lutgen.parts import ZERO, Axle, Contact, Force, Group, Link, three
 from lutgen.recipe.described import links_and_shapes, load_function, read_description
 from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.load import fail, read_tables, read_text, refuse
@@ -17,7 +17,6 @@ from lutgen.recipe.model import (
     links_of,
     parameters_of,
     part,
-    three,
     weighed,
     wheels_of,
 )

@@ -11,8 +11,6 @@ from lutgen.support.primitive import (
     DISC,
     FACE_ANGLE,
     FIRST,
-    KIND,
-    RADIUS,
     SPHERE,
     STICKS_OUT,
     lies_within,
@@ -23,16 +21,9 @@ from lutgen.support.primitive import (
 from lutgen.support.region import ON_AXIS, cone_of, seat_under
 from lutgen.support.rolling import arc_between, roll_over, turned
 from lutgen.support.table import (
-    ACCEPTED,
-    ARCS,
-    CONES,
-    CONVEX,
-    EDGES,
-    FACETS,
     MAX_PRIMITIVES,
     REGION,
     ROCKS,
-    SHOWN,
     STANDS,
     TIPS,
     Acceptance,

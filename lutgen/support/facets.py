@@ -7,7 +7,7 @@ from lutgen.jit import njit
 from lutgen.support.gather import facet_at, leave_old_edges_out
 from lutgen.support.polygon import has_bit
 from lutgen.support.primitive import DISC, KIND, POINT, are_alike, fill_contacts, support_contact
-from lutgen.support.table import EDGES, FACETS, SAME, Region, edge_after, ends_of
+from lutgen.support.table import SAME, Region, edge_after, ends_of
 from lutgen.support.tilting import Limits, tilt
 from lutgen.vector import along, cross, dot, length, read3, row, scale, subtract, unit
 
@@ -137,7 +137,7 @@ def _edge_between(primitives: Floats, region: Region, f: int, i: int, j: int, sa
 def _pair_up(region: Region, e: int) -> bool:
     """Pair an edge with a single one between the same primitives; return True if there is one."""
     edge, begin, end = region.edge, region.edge[e].primitive, region.edge[edge_after(region, e)]
-    for twin in range(region.counts[EDGES]):
+    for twin in range(region.counts.edges):
         if edge[twin].primitive != end.primitive or edge[twin].facet < 0 or edge[twin].twin >= 0:
             continue
         if edge[edge_after(region, twin)].primitive == begin:
@@ -148,21 +148,13 @@ def _pair_up(region: Region, e: int) -> bool:
 
 @njit(bare=True)
 def find_facets(primitives: Floats, region: Region, size: float, steepest: float) -> None:
-    """Find the support facets of one posture.
+    """Fill the facets and edges of one posture from primitives (n, 8), none covered by another.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com, none covered by another.
-    region : Region
-        Its facets and edges are filled.
-    size : float
-        Size of the robot (length).
-    steepest : float
-        Facets count if -n_z is greater than this; of others only those are found that lead there.
+    `size` (length) is that of the robot.  Facets count if -n_z is greater than `steepest`; of
+    others only those are found that lead there.
     """
     facet, edge, count = region.facet, region.edge, region.counts
-    count[FACETS] = count[EDGES] = 0
+    count.facets = count.edges = 0
     same = SAME * size
     rigid = True
     for i in range(1, primitives.shape[0]):
@@ -171,7 +163,7 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
     _begin(primitives, region, limits)
     contacts = region.contacts[:, : primitives.shape[0]]
     f = 0
-    while f < count[FACETS]:
+    while f < count.facets:
         normal, first, corners = read3(facet[f].normal), facet[f].first, facet[f].count
         fill_contacts(primitives, normal, contacts[0])
         for e in range(first, first + corners):

@@ -14,13 +14,8 @@ from lutgen.support.primitive import contact_count, show
 from lutgen.support.region import add_arc, add_boundary, add_rests, add_wall, find_rests
 from lutgen.support.rolling import Places, arc_between, held_by, roll_over, turned
 from lutgen.support.table import (
-    ACCEPTED,
-    CONES,
-    EDGES,
     ROCKS,
-    SHOWN,
     STANDS,
-    WALLS,
     Acceptance,
     Region,
     edge_after,
@@ -61,7 +56,7 @@ def _landing(
     """
     seat, edge = region.seat, region.edge
     low, high = 0.0, 1.0
-    for here in range(region.counts[ACCEPTED]):
+    for here in range(region.counts.accepted):
         if not is_same_rest(region, here, k):
             continue
         g0, g1 = gravity
@@ -168,15 +163,15 @@ def _add_gap(
     here, there = seat_of(region, e), seat_of(region, edge[e].twin)
     cut = unit(subtract(read3(seat[here].plane), read3(seat[there].plane)))
     for side in range(2):
-        k = count[CONES]
-        cone[k].first, cone[k].count, cone[k].status = count[WALLS], 5, ROCKS
+        k = count.cones
+        cone[k].first, cone[k].count, cone[k].status = count.walls, 5, ROCKS
         cone[k].seat = here if side == 0 else there
         add_wall(region, left)
         add_wall(region, right)
         add_wall(region, unit(cross(second[0], first[0])))
         add_wall(region, unit(cross(first[4], second[4])))
         add_wall(region, cut if side == 0 else scale(cut, -1.0))
-        count[CONES] = k + 1
+        count.cones = k + 1
     i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
     add_arc(region, p0, q0, (i, i))
     add_arc(region, q1, p1, (j, j))
@@ -191,8 +186,8 @@ def _add_joint(region: Region, e: int, first: Places, second: Places) -> None:
     the edge, through the end that is further in.
     """
     cone, count = region.cone, region.counts
-    k, side = count[CONES], unit(subtract(second[0], first[0]))
-    cone[k].first, cone[k].count, cone[k].status = count[WALLS], 6, STANDS
+    k, side = count.cones, unit(subtract(second[0], first[0]))
+    cone[k].first, cone[k].count, cone[k].status = count.walls, 6, STANDS
     cone[k].seat = seat_of(region, e)
     for end in range(2):
         start, stop = first[4 * end], second[4 * end]
@@ -200,7 +195,7 @@ def _add_joint(region: Region, e: int, first: Places, second: Places) -> None:
         add_wall(region, unit(along(scale(side, -1.0), stop, dot(side, stop) / dot(stop, stop))))
     add_wall(region, unit(cross(second[0], first[0])))
     add_wall(region, unit(cross(first[4], second[4])))
-    count[CONES] = k + 1
+    count.cones = k + 1
 
 
 @njit(bare=True)
@@ -256,18 +251,14 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
     """Find the held part of every edge between two rests, and add the gaps to the region.
 
     Rests of one group are one at any `rock_angle`; if it is infinite, all of an edge is held.
-
-    Returns
-    -------
-    int
-        How many gaps have an area in which the robot rocks.
+    Returns how many gaps have an area in which the robot rocks.
     """
     edge, seat = region.edge, region.seat
     free = accept.rock_angle == math.inf
     # The turn of a gap may be longer by rounding.
     least = -2.0 if free else math.cos(accept.rock_angle + 1e-12)
     gaps = 0
-    for e in range(region.counts[EDGES]):
+    for e in range(region.counts.edges):
         here, there = rests_at(region, e)
         if there < 0 or edge[e].twin < e:
             continue
@@ -279,22 +270,12 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
 
 @njit(bare=True)
 def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
-    """Find where one posture stands.
-
-    Parameters
-    ----------
-    region : Region
-        Overwritten; as `empty_region` makes it for so many primitives.
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com.
-    accept : Acceptance
-        Limits of facets and rests, and how far the robot rocks.
-    """
+    """Overwrite a region with that of one posture: rows (n, 8) of `primitive.pack`."""
     contacts = contact_count(primitives)
     places, axles = primitives[:contacts], primitives[contacts:]
     size = robot_size(places)
     count = show(places, size, region.shown, region.source)
-    region.counts[SHOWN] = count
+    region.counts.shown = count
     shown = region.shown[:count]
     find_facets(shown, region, size, accept.steepest)
     find_rests(shown, axles, region, accept, size)

@@ -6,7 +6,7 @@ from lutgen.arrays import Floats, Vector
 from lutgen.jit import njit
 from lutgen.support.polygon import corners_of, has_bit
 from lutgen.support.primitive import fill_contacts, support_contact, tangent_plane
-from lutgen.support.table import EDGES, FACETS, Region
+from lutgen.support.table import Region
 from lutgen.support.tilting import ALL, touching
 from lutgen.vector import cross, dot, length, read3, subtract, unit, write3
 
@@ -79,7 +79,7 @@ def _enter(
     """Write facet f with its edges behind all others; True if its contacts make a polygon."""
     facet, edge, count = region.facet, region.edge, region.counts
     corners = corners_of(primitives, mask, normal, ROW * same, region)
-    first = count[EDGES]
+    first = count.edges
     if corners == 0 or f >= facet.shape[0] or first + corners > edge.shape[0]:
         return False
     write3(facet[f].normal, normal)
@@ -94,7 +94,7 @@ def _enter(
         start, stop = read3(edge[e].point), read3(edge[first + (e - first + 1) % corners].point)
         write3(edge[e].wall, unit(cross(start, stop)))
     facet[f].height = height
-    count[EDGES] = first + corners
+    count.edges = first + corners
     return True
 
 
@@ -144,7 +144,7 @@ def _grow(primitives: Floats, region: Region, f: int, mask: int, same: float) ->
     facet = region.facet
     _add_contacts(primitives, region, f, mask, same)
     other = 0
-    while other < region.counts[FACETS]:
+    while other < region.counts.facets:
         normal, mask = read3(facet[f].normal), facet[f].mask
         if other == f or not _are_one(primitives, region, other, normal, mask, same):
             other += 1
@@ -172,16 +172,16 @@ def facet_at(
         if good:
             normal = better
             mask = all_touching(primitives, region, normal, i, same)
-    for f in range(count[FACETS]):
+    for f in range(count.facets):
         if _are_one(primitives, region, f, normal, mask, same):
             grown = facet[f].mask & mask != mask
             if grown:
                 _grow(primitives, region, f, mask, same)
             return f, grown
-    f = count[FACETS]
+    f = count.facets
     if not _enter(primitives, region, f, normal, mask, same):
         return -1, False
-    count[FACETS] = f + 1
+    count.facets = f + 1
     return f, False
 
 
@@ -189,7 +189,7 @@ def facet_at(
 def leave_old_edges_out(region: Region) -> None:
     """Move the edges of enlarged facets to the place of their old ones."""
     edge, count, kept = region.edge, region.counts, 0
-    for e in range(count[EDGES]):
+    for e in range(count.edges):
         if edge[e].facet < 0:
             continue
         if kept < e:
@@ -199,4 +199,4 @@ def leave_old_edges_out(region: Region) -> None:
             if edge[kept].twin >= 0:
                 edge[edge[kept].twin].twin = kept
         kept += 1
-    count[EDGES] = kept
+    count.edges = kept

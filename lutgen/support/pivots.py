@@ -16,7 +16,7 @@ from lutgen.jit import njit
 from lutgen.support.gather import ROW, forget_edges, write_edge
 from lutgen.support.polygon import corners_of, has_bit, outline, plane_axes
 from lutgen.support.primitive import FIRST, RADIUS, axle, support_contact
-from lutgen.support.table import EDGES, SAME, SHOWN, Region, ends_of
+from lutgen.support.table import SAME, Region, ends_of
 from lutgen.vector import along, cross, dot, length, read3, row, scale, subtract, unit, write3
 
 # A line over which something turns, by two of its points.
@@ -129,7 +129,7 @@ class Axle(NamedTuple):
 @njit(bare=True)
 def _shown(region: Region, primitive: int, mask: int) -> int:
     """Return the place of a primitive among those in a mask that no other covers, or -1."""
-    for k in range(region.counts[SHOWN]):
+    for k in range(region.counts.shown):
         if region.source[k] == primitive and has_bit(mask, k):
             return k
     return -1
@@ -251,23 +251,9 @@ def _nearest(primitives: Floats, mask: int, normal: Vector, point: Vector) -> in
 def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float) -> int:
     """Write the edges of facet f anew if it touches an axle that swings.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        The contacts, none covered by another.
-    axles : (2 a, 8) float64
-        See the head of `primitive`.
-    region : Region
-        With the facet, whose bits are all contacts near its plane.
-    f : int
-        The facet.
-    same : float
-        A length that counts as none.
-
-    Returns
-    -------
-    int
-        1 if it is done, 0 if the facet touches no axle, and -1 if the robot has no rest there.
+    Its bits are all contacts near its plane; `axles` (2 a, 8) are as the head of `primitive` says,
+    and `same` is a length that counts as none.  Returns 1 if it is done, 0 if the facet touches no
+    axle, and -1 if the robot has no rest there.
     """
     facet, edge = region.facet[f], region.edge
     normal, mask = read3(facet.normal), int(facet.mask)
@@ -291,7 +277,7 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     for load in (axle.pivot, axle.com, axle.pulled):
         count = _cut_axle(region, count, axle, load, ground)
     count = without_short(region, count, 10.0 * ROW * same)
-    begin = region.counts[EDGES]
+    begin = region.counts.edges
     if count < 3 or begin + count > edge.shape[0]:
         return -1
     forget_edges(region, facet.first, facet.count)
@@ -301,7 +287,7 @@ def swing(primitives: Floats, axles: Floats, region: Region, f: int, same: float
     write3(kept.pivot, axle.pivot)
     write3(kept.way, axle.way)
     write3(kept.com, axle.com)
-    region.counts[EDGES] = begin + count
+    region.counts.edges = begin + count
     for m in range(count):
         e, corner = begin + m, region.swung[0, m]
         point = place_on(ground, corner.x, corner.y)

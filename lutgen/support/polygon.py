@@ -28,23 +28,10 @@ def _left(flat: Floats, a: int, b: int, c: int) -> float:
 def outline(flat: Floats, ids: Ints, count: int, near: float) -> int:
     """Find the corners of the convex hull of points in a plane (Andrew's monotone chain).
 
-    Parameters
-    ----------
-    flat : (k, 2) float64
-        Coordinates; the first `count` rows are read, and sorted.
-    ids : (3 k + 2,) int64
-        Name of each point; the names of the corners are left there, counter-clockwise and
-        from the lowest on.
-    count : int
-        How many points.
-    near : float
-        A point nearer than this to another corner, or to the line between its neighbours, is no
-        corner (length).
-
-    Returns
-    -------
-    int
-        Number of corners; 0 if the points are in a line or too few.
+    The first `count` rows of `flat` (k, 2) are read and sorted; `ids` (3 k + 2,) has their names,
+    and then those of the corners, counter-clockwise from the lowest on.  A point nearer than `near`
+    (length) to another corner, or to the line between its neighbours, is no corner.  Returns how
+    many there are; 0 if the points are in a line or too few.
     """
     for last in range(1, count):
         at = last

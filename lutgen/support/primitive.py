@@ -108,12 +108,8 @@ def tangent_plane(
     """Turn a plane until it touches primitives i, j and k.
 
     With k = -1 it touches i and j and is parallel to `across`.  Newton's method is to take the
-    plane through the places where they touched the plane before.
-
-    Returns
-    -------
-    tuple
-        The unit normal, on the side of `normal`; True if the method converged.
+    plane through the places where they touched the plane before.  Returns the unit normal, on the
+    side of `normal`, and True if the method converged.
     """
     third = k if k >= 0 else j
     flat = are_alike(primitives, i, j) and are_alike(primitives, i, third)
@@ -178,18 +174,9 @@ def lies_within(primitives: Floats, i: int, j: int, part: float, size: float) ->
 
 @njit(bare=True)
 def show(primitives: Floats, size: float, shown: Floats, source: Ints) -> int:
-    """Copy the primitives that no other one covers; return how many they are.
+    """Copy the primitives (n, 8) that no other one covers; return how many they are.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com.
-    size : float
-        Size of the robot (length).
-    shown : (n, 8) float64
-        Filled with them, in their order.
-    source : (n,) int64
-        Filled with the row of each in `primitives`.
+    They fill `shown` in their order, and their rows `source`; `size` is that of the robot (length).
     """
     n = primitives.shape[0]
     # Points that are one are gathered by the facets.

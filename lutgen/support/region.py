@@ -14,15 +14,8 @@ from lutgen.support.pivots import swing
 from lutgen.support.polygon import corners_of, measure_polygon, plane_axes
 from lutgen.support.primitive import DISC, KIND, axle, support_contact, support_height
 from lutgen.support.table import (
-    ACCEPTED,
-    ARCS,
-    CONES,
-    CONVEX,
-    EDGES,
-    FACETS,
     SAME,
     STANDS,
-    WALLS,
     Acceptance,
     Region,
     edge_after,
@@ -106,7 +99,7 @@ def find_rests(
     same = SAME * size
     tolerance = accept.contact_tolerance
     near = max(tolerance if tolerance >= 0.0 else -tolerance * size, same)
-    for f in range(count[FACETS]):
+    for f in range(count.facets):
         facet[f].place = 0 if _is_accepted(primitives, region, f, accept, same) else -1
         if facet[f].place == 0:
             normal, level = read3(facet[f].normal), facet[f].height
@@ -118,11 +111,11 @@ def find_rests(
     if axles.shape[0] > 0:
         leave_old_edges_out(region)
     accepted = rests = 0
-    for f in range(count[FACETS]):
+    for f in range(count.facets):
         if facet[f].place < 0:
             continue
         place = 0
-        for other in range(count[FACETS]):
+        for other in range(count.facets):
             if facet[other].place >= 0 and other != f:
                 place += facet[other].mask < facet[f].mask or (
                     facet[other].mask == facet[f].mask and other < f
@@ -132,11 +125,11 @@ def find_rests(
         rests += seat[place].is_rest
         accepted += 1
     if rests == 0:
-        for f in range(count[FACETS]):
+        for f in range(count.facets):
             facet[f].place = -1
         accepted = 0
-    count[ACCEPTED] = accepted
-    for e in range(count[EDGES]):
+    count.accepted = accepted
+    for e in range(count.edges):
         here, there = rests_at(region, e)
         if here < 0 or edge[e].twin < e:
             continue
@@ -162,8 +155,8 @@ BESIDE, CLOSED = 4.0, 0.1
 @njit(inline=True, bare=True)
 def add_wall(region: Region, normal: Vector) -> None:
     """Append a unit inward normal to the walls."""
-    write3(region.wall[region.counts[WALLS]], normal)
-    region.counts[WALLS] += 1
+    write3(region.wall[region.counts.walls], normal)
+    region.counts.walls += 1
 
 
 @njit(bare=True)
@@ -179,7 +172,7 @@ def add_arc(region: Region, start: Vector, stop: Vector, contacts: tuple[int, in
     long, wide = length(side), length(middle)
     if long < NO_ARC:
         return
-    arc = region.arc[region.counts[ARCS]]
+    arc = region.arc[region.counts.arcs]
     write3(arc.start, start)
     write3(arc.stop, stop)
     write3(arc.wall, unit(cross(middle, side)))
@@ -187,23 +180,23 @@ def add_arc(region: Region, start: Vector, stop: Vector, contacts: tuple[int, in
     write3(arc.amid, scale(middle, 0.5 * long / wide))
     arc.spread = wide * wide / (long * long)
     arc.contacts[0], arc.contacts[1] = contacts
-    region.counts[ARCS] += 1
+    region.counts.arcs += 1
 
 
 @njit(bare=True)
 def add_rests(region: Region) -> None:
     """Add the cones of the rests, the first ones."""
     cone, count = region.cone, region.counts
-    count[CONES] = count[WALLS] = count[ARCS] = 0
-    for k in range(count[ACCEPTED]):
+    count.cones = count.walls = count.arcs = 0
+    for k in range(count.accepted):
         if not region.seat[k].is_rest:
             continue
-        facet, last = region.facet[region.seat[k].facet], count[CONES]
-        cone[last].first, cone[last].count = count[WALLS], facet.count
+        facet, last = region.facet[region.seat[k].facet], count.cones
+        cone[last].first, cone[last].count = count.walls, facet.count
         cone[last].seat, cone[last].status = k, STANDS
         for e in range(facet.first, facet.first + facet.count):
             add_wall(region, read3(region.edge[e].wall))
-        count[CONES] = last + 1
+        count.cones = last + 1
 
 
 @njit(bare=True)
@@ -213,7 +206,7 @@ def add_boundary(region: Region, gaps: int) -> None:
     `gaps`: how many there are, but for those between rests of a group.
     """
     edge, count = region.edge, region.counts
-    for e in range(count[EDGES]):
+    for e in range(count.edges):
         here = seat_of(region, e)
         if here < 0 or not region.seat[here].is_rest:
             continue
@@ -229,8 +222,8 @@ def add_boundary(region: Region, gaps: int) -> None:
                 add_arc(region, start, between(start, stop, low), pair)
             if high < 1.0:
                 add_arc(region, between(start, stop, high), stop, pair)
-    count[CONVEX] = 1 if gaps == 0 and _is_convex(region) else 0
-    if count[CONVEX] == 1:
+    count.convex = 1 if gaps == 0 and _is_convex(region) else 0
+    if count.convex == 1:
         _leave_short_out(region)
 
 
@@ -250,7 +243,7 @@ def _is_noise(region: Region, b: int) -> bool:
     if not _is_short(region, b):
         return False
     beyond = along(unit(read3(region.arc[b].start)), read3(region.arc[b].wall), -BESIDE * NOISE)
-    for other in range(region.counts[ARCS]):
+    for other in range(region.counts.arcs):
         inside = dot(read3(region.arc[other].wall), beyond)
         if inside < -CLOSED * NOISE and not _is_short(region, other):
             return True
@@ -261,11 +254,11 @@ def _is_noise(region: Region, b: int) -> bool:
 def _is_convex(region: Region) -> bool:
     """Return True if every corner of every rest is inside every tip-over plane, but for noise."""
     edge = region.edge
-    for b in range(region.counts[ARCS]):
+    for b in range(region.counts.arcs):
         if _is_noise(region, b):
             continue
         normal = read3(region.arc[b].wall)
-        for e in range(region.counts[EDGES]):
+        for e in range(region.counts.edges):
             here = seat_of(region, e)
             if here >= 0 and region.seat[here].is_rest:
                 point = read3(edge[e].point)
@@ -277,18 +270,18 @@ def _is_convex(region: Region) -> bool:
 @njit(bare=True)
 def _leave_short_out(region: Region) -> None:
     """Take the arcs out of a convex region's boundary whose planes are noise."""
-    arcs, kept = region.counts[ARCS], 0
+    arcs, kept = region.counts.arcs, 0
     for b in range(arcs):
         if not _is_noise(region, b):
             region.arc[kept] = region.arc[b]
             kept += 1
-    region.counts[ARCS] = kept
+    region.counts.arcs = kept
 
 
 @njit(bare=True)
 def cone_of(region: Region, g: Vector) -> int:
     """Return the cone that a unit direction is in, the first of several; -1 for none."""
-    for k in range(region.counts[CONES]):
+    for k in range(region.counts.cones):
         inside = True
         for w in range(region.cone[k].first, region.cone[k].first + region.cone[k].count):
             inside &= dot(row(region.wall, w), g) >= -ON_AXIS
@@ -304,7 +297,7 @@ def seat_under(region: Region, g: Vector) -> int:
     Ties go to the lower index.
     """
     best, nearest = -1, 0.0
-    for k in range(region.counts[ACCEPTED]):
+    for k in range(region.counts.accepted):
         rate = dot(read3(region.seat[k].plane), g)
         if rate > nearest * (1.0 + 1e-12):
             best, nearest = k, rate

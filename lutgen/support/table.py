@@ -26,9 +26,6 @@ STANDS, ROCKS, TIPS = 0, 1, 2
 OFF_FACE = math.radians(10.0)
 NO_LIMIT = -2.0
 
-# Entries of Region.counts.
-FACETS, EDGES, ACCEPTED, CONES, WALLS, ARCS, CONVEX, SHOWN = range(8)
-
 
 def record(vectors: str, numbers: str, integers: str, *others: tuple[Any, ...]) -> Any:
     """Return the type of a row, from the names of its fields by kind."""
@@ -36,6 +33,7 @@ def record(vectors: str, numbers: str, integers: str, *others: tuple[Any, ...]) 
     return np.dtype([*((name, kind) for names, kind in kinds for name in names.split()), *others])
 
 
+COUNTS = record("", "", "facets edges accepted cones walls arcs convex shown")
 FACET = record("normal", "height", "mask first count place swings")
 EDGE = record("point wall", "", "primitive facet twin", ("held", "f8", 2), ("raised", "f8", 2))
 SEAT = record("normal plane centroid", "height", "mask facet group is_rest", ("axes", "f8", (2, 3)))
@@ -96,7 +94,7 @@ REGION = np.dtype(
     (
         np.record,
         [
-            ("counts", "i8", 8),
+            ("counts", COUNTS),
             ("facet", FACET, _FACETS),
             ("edge", EDGE, _EDGES),
             ("seat", SEAT, _FACETS),
@@ -121,8 +119,8 @@ Region = Any
 def empty_region() -> Region:
     """Return room for where one posture stands, reused from posture to posture.
 
-    `counts`: entries in use of the tables below, 1 at CONVEX if the region is convex, and at
-    SHOWN the primitives that no other one covers.
+    `counts`: entries in use of the tables below, `convex` is 1 if the region is so, and `shown` the
+    primitives that no other one covers.
 
     `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
     its first edge and how many, its `place` among the accepted ones, or -1, and if it

@@ -146,26 +146,10 @@ def tilt(
 ) -> tuple[int, int, Vector]:
     """Tilt a plane towards `ahead` until it touches another primitive.
 
-    Parameters
-    ----------
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com.
-    contacts : (3, n, 3) float64
-        By `fill_contacts`: the first ones are those at `normal`, the others are overwritten.
-    pair : tuple of int
-        The two that carry; of (i, -1) the plane turns about the line on i across `ahead`.
-    mask : int
-        Bits of all that it touches.
-    normal, ahead : tuple of float
-        Unit vectors: the plane's normal, and where it is tilted to, at a right angle to it.
-    limits : Limits
-        Limits of the planes that are wanted.
-
-    Returns
-    -------
-    tuple
-        The primitive that it comes to, or -1; and there the bits of all that the plane touches, and
-        its unit normal.
+    `contacts` (3, n, 3): the first are those at `normal`, of `fill_contacts`, the others scratch.
+    The `pair` carries; of (i, -1) the plane turns about the line on i across `ahead`, which is at a
+    right angle to `normal`.  `mask` has the bits of all that it touches.  Returns the primitive
+    that it comes to, or -1; and there the bits of all that it touches, and its unit normal.
     """
     i, j = pair
     highest, same, rigid = limits

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from lutgen.arrays import Floats, Ints
+from lutgen.parts import three
 from lutgen.urdf.description import Collision
 from lutgen.urdf.meshes import DIGITS
 from lutgen.vector import angles
@@ -80,10 +81,10 @@ def wheel_of(
         f"{noun} of radius {1000.0 * largest:.2f} mm and width {1000.0 * (high - low):.2f} mm, "
         f"off by at most {1000.0 * worst:.2f} mm up to 30 deg of lean"
     )
-    x, y, z = _plain(origin + 0.5 * (low + high) * axis)
+    centre = three(_plain(origin + 0.5 * (low + high) * axis))
     rpy = angles(np.stack([*_across(axis), axis], axis=1))
     size = _plain(np.array([largest, high - low]))
-    return Collision("cylinder", size, (x, y, z), rpy, note=note)
+    return Collision("cylinder", size, centre, rpy, note=note)
 
 
 def foot_of(points: Floats, down: Floats) -> Collision:

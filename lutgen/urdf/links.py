@@ -11,7 +11,7 @@ import numpy as np
 
 from lutgen.arrays import Floats, Vector
 from lutgen.errors import reject
-from lutgen.parts import Contact, Joint, Link
+from lutgen.parts import Contact, Joint, Link, three
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.joints import Motion
 from lutgen.vector import angles, axis_rotation, rotation
@@ -58,7 +58,7 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
             moving = Joint(kind, joint.axis, parameters[drive.by], drive.scale, drive.offset)
         elif drive.offset != 0.0:
             turn, where = _moved(joint, drive.offset)
-            origin, rpy = as_vector(where), angles(turn)
+            origin, rpy = three(where), angles(turn)
         link = described[joint.child]
         seen = link.mass, link.com, *_box(link)
         result.append(Link(link.name, joint.parent, origin, rpy, moving, *seen))
@@ -75,7 +75,7 @@ def _box(link: UrdfLink) -> tuple[Vector | None, Vector | None]:
     (one,) = link.collisions
     if one.kind not in ("box", "mesh") or not one.size:
         return None, None
-    return as_vector(np.abs(rotation(one.rpy)) @ one.size), one.origin
+    return three(np.abs(rotation(one.rpy)) @ one.size), one.origin
 
 
 def places(
@@ -127,12 +127,6 @@ def _moved(joint: UrdfJoint, value: float) -> Place:
     return turn @ axis_rotation(joint.axis, value), origin
 
 
-def as_vector(values: Floats) -> Vector:
-    """Return an array (3,) as a vector of the recipe."""
-    x, y, z = values.tolist()
-    return x, y, z
-
-
 # Shapes that are taken for feet and wheels; points are what a mesh that was opened has at its foot.
 TOUCHING = ("sphere", "cylinder", "capsule", "points")
 
@@ -177,11 +171,11 @@ def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None
         radius, length = shape.size
         flat = shape.kind == "cylinder" and radius > 0.0
         for end in (0.5, -0.5):
-            axis = as_vector(turn[:, 2]) if flat else None
-            yield as_vector(centre + end * length * turn[:, 2]), radius, axis
+            axis = three(turn[:, 2]) if flat else None
+            yield three(centre + end * length * turn[:, 2]), radius, axis
     elif shape.kind == "points":
         for point in np.array(shape.size).reshape(-1, 3):
-            yield as_vector(point), 0.0, None
+            yield three(point), 0.0, None
     else:
         for corner in itertools.product((0.5, -0.5), repeat=3):
-            yield as_vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None
+            yield three(centre + turn @ (np.array(corner) * shape.size)), 0.0, None

@@ -15,9 +15,8 @@ import numpy as np
 from lutgen import bounds
 from lutgen.arrays import Floats
 from lutgen.errors import RecipeError, optional, reject
-from lutgen.parts import ZERO
+from lutgen.parts import ZERO, three
 from lutgen.urdf.description import Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
-from lutgen.urdf.links import as_vector
 from lutgen.urdf.sources import quoted
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import angles, from_quaternion
@@ -124,13 +123,13 @@ class _Reader:
         at, rpy = model.body_pos[body] - shift[above], angles(turn)
         first, count = model.body_jntadr[body], model.body_jntnum[body]
         if count == 0:
-            joint = UrdfJoint(f"{own}_fixed", "fixed", parent, own, as_vector(at), rpy)
+            joint = UrdfJoint(f"{own}_fixed", "fixed", parent, own, three(at), rpy)
             return [joint], np.zeros(3)
         result, here = [], np.zeros(3)
         for j in range(first, first + count):
             anchor = np.array(model.jnt_pos[j]) if model.jnt_type[j] == HINGE else here
             child = own if j == first + count - 1 else f"{own}_after_{self.name('joint', j)}"
-            origin = as_vector(at + turn @ anchor) if j == first else as_vector(anchor - here)
+            origin = three(at + turn @ anchor) if j == first else three(anchor - here)
             joint = self.joint(j, parent, child)
             result.append(replace(joint, origin=origin, rpy=rpy if j == first else ZERO))
             parent, here = child, anchor
@@ -148,7 +147,7 @@ class _Reader:
         # Tendons and others do not say which joint they drive.
         by_joint = model.nu and (model.actuator_trntype <= 1).all()
         effort = 0.0 if by_joint and j not in model.actuator_trnid[:, 0] else None
-        axis = as_vector(np.array(model.jnt_axis[j]))
+        axis = three(model.jnt_axis[j])
         return UrdfJoint(
             self.name("joint", j), moves, parent, child, axis=axis, effort=effort, **ends
         )
@@ -178,12 +177,12 @@ class _Reader:
         touching = [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
         shapes = tuple(self.shape(g, shift) for g in touching)
         looks = () if shapes else tuple(self.shape(g, shift) for g in geoms)
-        com = as_vector(model.body_ipos[body] - shift)
+        com = three(model.body_ipos[body] - shift)
         return UrdfLink(self.name("body", body), float(model.body_mass[body]), com, shapes, looks)
 
     def shape(self, g: int, shift: Floats) -> Collision:
         model, kind = self.model, SHAPES[self.model.geom_type[g]]
-        place = as_vector(model.geom_pos[g] - shift), angles(_turn(model.geom_quat[g]))
+        place = three(model.geom_pos[g] - shift), angles(_turn(model.geom_quat[g]))
         a, b, c = model.geom_size[g].tolist()
         sizes: dict[str, tuple[float, ...]] = {
             "sphere": (a,),

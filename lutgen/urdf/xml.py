@@ -13,6 +13,7 @@ from xml.parsers import expat
 from lutgen import bounds
 from lutgen.arrays import Vector
 from lutgen.errors import RecipeError, reject
+from lutgen.parts import three
 
 MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
@@ -101,8 +102,7 @@ class Elements:
         """Return three numbers of at most LARGEST from an attribute."""
         if key not in element.attrib:
             return default
-        x, y, z = self.numbers(element, key, where, 3)
-        return x, y, z
+        return three(self.numbers(element, key, where, 3))
 
 
 def floats(text: str) -> tuple[float, ...]:
@@ -145,6 +145,6 @@ def meant(text: str) -> float:
 def parts_of_turns(printed: str) -> tuple[Vector, list[str]]:
     """Return the angles (rad) that three printed numbers stand for, and those that differ."""
     texts = printed.split()
-    x, y, z = (meant(text) for text in texts)
-    pairs = zip(texts, (x, y, z), strict=True)
-    return (x, y, z), [text for text, angle in pairs if abs(float(text) - angle) > SINGLE]
+    angles = three(map(meant, texts))
+    pairs = zip(texts, angles, strict=True)
+    return angles, [text for text, angle in pairs if abs(float(text) - angle) > SINGLE]

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.exact import Setting
 from lutgen.channels.measuring import measure_postures
 from lutgen.channels.rows import nodes_of
 from lutgen.channels.scan import Scanner, scan_part, scratch_for
 from lutgen.chart import Chart
-from lutgen.quantities import CHANNELS
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.recipe import start_recipe
 from lutgen.support import TIPS, acceptance, pack
 from tests.fixtures.commands import data, stdout
@@ -56,11 +56,10 @@ def rows(primitives, chart, limits, channels=FAST):
     m, per_posture = len(primitives), chart.faces * chart.nodes
     lines = m * per_posture
     out = np.full((len(CHANNELS), lines * chart.nodes), 9e9, np.float32)
-    setting = Setting(acceptance(*limits), wanted_channels(channels))
+    setting = Setting(acceptance(*limits), np.array(wanted(channels)))
     for begin, end in pairwise(part * lines // 3 for part in range(4)):
         memory = scratch_for(nodes_of(chart))
-        place = (0, per_posture)
-        scan_part((begin, end), memory, primitives, setting, nodes_of(chart), place, out)
+        scan_part((begin, end), memory, primitives, setting, nodes_of(chart), out)
     return {name: out[CHANNELS.index(name)].reshape(m, -1) for name in channels}
 
 
@@ -199,7 +198,7 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path):
     directions = recipe.chart.directions().reshape(-1, 3)
     for some in np.array_split(params, 1 + len(params) // 500):
         out = np.empty((len(CHANNELS), len(some) * len(directions)), np.float32)
-        scanner.fill(some, 0, scanner.rows, out)
+        scanner.fill(some, out)
         angle = lutgen.evaluate(recipe, some, directions, channels=("tip_angle",))["tip_angle"]
         np.testing.assert_array_equal(out[TIP].reshape(angle.shape) < 0.0, angle < 0.0)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from lutgen.channels.measuring import measure_postures
-from lutgen.support import FACETS, SHOWN, acceptance, empty_region, stand
+from lutgen.support import acceptance, empty_region, stand
 from tests.oracles.primitives import size_of, unit
 from tests.oracles.standing import Limits, facets_of
 
@@ -86,9 +86,9 @@ def assert_every_facet_once(rows, upright):
     """Demand that lutgen finds the support facets within `upright` (deg) that the oracle does."""
     region, least = empty_region(), math.cos(math.radians(upright))
     stand(region, rows, acceptance(math.radians(upright), 0.5))
-    shown = region.shown[: region.counts[SHOWN]].copy()
+    shown = region.shown[: region.counts.shown].copy()
     truth = [f.normal for f in facets_of(shown) if -f.normal[2] > least]
-    normals = region.facet[: region.counts[FACETS]]["normal"]
+    normals = region.facet[: region.counts.facets]["normal"]
     found = normals[-normals[:, 2] > least]
     assert len(found) == len(truth) > 0
     for normal in truth:

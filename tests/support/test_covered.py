@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import ARCS, acceptance, empty_region, lies_within, pack, stand
+from lutgen.support import acceptance, empty_region, lies_within, pack, stand
 from tests.fixtures.odd_robots import boxed_tracks
 from tests.oracles.standing import Limits
 from tests.support.postures import DISC, POINT, SPHERE, below
@@ -113,7 +113,7 @@ def test_contacts_keep_their_numbers_where_some_are_covered():
     region = empty_region()
     stand(region, rows(*corners, *WHEELS), acceptance(*LIMITS[:2], 0.0, *LIMITS[2:]))
     # The wheels are 4 to 7; the corners on their rims carry nothing.
-    named = region.source[region.arc[: region.counts[ARCS]]["contacts"]]
+    named = region.source[region.arc[: region.counts.arcs]["contacts"]]
     assert set(named.ravel().tolist()) == {4, 5, 6, 7}
 
 
