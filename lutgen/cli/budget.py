@@ -30,12 +30,9 @@ BOUNDLESS = 49.9
 class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
-        type=given.Numbers(*given.RANGE),
-        help="Also over postures: a parameter from one end to the other.",
+        help="Also over postures: a parameter from one end to the other."
     )
-    steps: int = option(
-        type=given.Number(int, 2, MOST), default=5, help="How many values of --over."
-    )
+    steps: int = option(low=2, high=MOST, default=5, help="How many values of --over.")
     slope: str = option(
         default="0:30:10",
         metavar="FROM:TO:STEP",
@@ -45,12 +42,12 @@ class Options(RecipeOptions):
         default=0.0,
         help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
-    turn: float = given.positive(default=2.0, help="Radius of the turn whose speed is printed, m.")
+    turn: float = option(
+        above=0.0, default=2.0, help="Radius of the turn whose speed is printed, m."
+    )
     headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
     bump: float = option(
-        type=given.Number(float, 0.0),
-        default=0.0,
-        help="Height of a bump below one contact as it stops, m.",
+        low=0.0, default=0.0, help="Height of a bump below one contact as it stops, m."
     )
     output: str | None = given.output(help="CSV file of the table.")
     force: bool = given.force()

@@ -27,8 +27,7 @@ class Options(RunOptions):
         metavar="paper|FILE.csv",
         help="As of `lutgen path`: the paper's path, or columns x,y,z and more.",
     )
-    log: str | None = option(
-        type=given.Named(),
+    log: str | None = given.file(
         metavar="FILE.csv",
         help="Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
         "gyroscope, and each parameter.",
@@ -36,25 +35,22 @@ class Options(RunOptions):
     turn: float = option(
         default=0.0, help="Turn the robot by this angle against the path's heading, deg."
     )
-    speed: float | None = given.positive(
-        help="Along the path, length per second.  [default: a cycle at each point]"
+    speed: float | None = option(
+        above=0.0, help="Along the path, length per second.  [default: a cycle at each point]"
     )
     latency: float | None = option(
-        type=given.Number(float, 0.0),
-        help="From sample to motion, s; a cycle at least.  [default: the policy's]",
+        low=0.0, help="From sample to motion, s; a cycle at least.  [default: the policy's]"
     )
-    rate: tuple[tuple[str, float], ...] = given.values(
+    rate: tuple[tuple[str, float], ...] = option(
         help="How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
-        type=given.Number(float, 0.0),
-        default=0.0,
-        help="Standard deviation of each axis of the accelerometer, m/s2.",
+        low=0.0, default=0.0, help="Standard deviation of each axis of the accelerometer, m/s2."
     )
     seed: int = option(default=0, help="Seed of the noise.")
-    no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
+    no_gyroscope: bool = option(help="The robot has none.")
     objective: str | None = option(help="Objective of the policy that is made for a recipe.")
-    cycle: float | None = given.positive(help="Cycle of that policy, s.  [default: 1]")
+    cycle: float | None = option(above=0.0, help="Cycle of that policy, s.  [default: 1]")
 
 
 @command("source", Options)

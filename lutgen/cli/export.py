@@ -4,7 +4,7 @@ import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import click
 
@@ -42,10 +42,8 @@ class ExportOptions(FolderOptions):
         default="auto",
         help="auto, or the only one that may be used; any other name is answered with all.",
     )
-    arithmetic: str = option(
-        type=click.Choice(("float", "integer")),
-        default="float",
-        help="integer: for processors without floating point.",
+    arithmetic: Literal["float", "integer"] = option(
+        default="float", help="integer: for processors without floating point."
     )
 
 
@@ -59,33 +57,25 @@ class PolicyOptions(FolderOptions):
     within: float = option(
         default=1.0, help="Take the smoothest of all postures within so many deg of the best."
     )
-    nodes: int = option(
-        type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
-    )
+    nodes: int = option(low=2, high=65, default=9, help="Nodes of the table along either slope.")
     slope: float = option(
-        type=given.Number(float, 0.0, 89.0, open=True),
-        default=45.0,
-        help="Steepest slope of the table, deg.",
+        above=0.0, high=89.0, default=45.0, help="Steepest slope of the table, deg."
     )
-    home: tuple[tuple[str, float], ...] = given.values(
+    home: tuple[tuple[str, float], ...] = option(
         help="Posture where nothing else matters; repeat for each."
     )
-    rate: tuple[tuple[str, float], ...] = given.values(
+    rate: tuple[tuple[str, float], ...] = option(
         help="How fast a parameter changes, per second; repeat."
     )
-    delta: tuple[tuple[str, float], ...] = given.values(
-        help="How far from the driver's request; repeat."
-    )
-    cycle: float = given.positive(default=0.02, help="Time of a cycle, s.")
-    latency: float = given.positive(default=0.06, help="From sample to motion, s.")
-    margin: float = given.positive(default=3.0, help="Tip angle that every way is to keep, deg.")
+    delta: tuple[tuple[str, float], ...] = option(help="How far from the driver's request; repeat.")
+    cycle: float = option(above=0.0, default=0.02, help="Time of a cycle, s.")
+    latency: float = option(above=0.0, default=0.06, help="From sample to motion, s.")
+    margin: float = option(above=0.0, default=3.0, help="Tip angle that every way is to keep, deg.")
     convention: str = given.convention(
         "plane", "body", "The robot leans as its shape makes it, or keeps its attitude."
     )
     poses: int = option(
-        type=given.Number(int, 1, 2),
-        default=1,
-        help="Poses that a cycle may make of many contacts, 1 or 2.",
+        low=1, high=2, default=1, help="Poses that a cycle may make of many contacts, 1 or 2."
     )
 
 

@@ -27,31 +27,29 @@ STANDS_NOWHERE = (
 class Options:
     output: str = given.output(required=True, help="Recipe to write (.toml).")
     name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
-    contacts: tuple[str, ...] = given.repeated(
+    contacts: tuple[str, ...] = option(
         "-c",
         "--contact",
         metavar="LINK[=X,Y,Z[,R]]",
         help="A link whose collision shapes touch the ground, or a point or sphere on it (m); "
         "repeat.",
     )
-    joints: tuple[str, ...] = given.repeated(
+    joints: tuple[str, ...] = option(
         "-j", "--joint", help="A joint that becomes a parameter; repeat."
     )
-    couples: tuple[str, ...] = given.repeated(
+    couples: tuple[str, ...] = option(
         "--couple",
         metavar="NAME=JOINT,...",
         help="A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
         "a pattern ('*_hip') or of a group of the SRDF; or auto, a pattern or a group alone, "
         "of which groups by name and symmetry are proposed; repeat.",
     )
-    xacro: bool = option(
-        "-x", is_flag=True, help="Expand xacro: evaluates the file, reads its includes."
-    )
+    xacro: bool = option("-x", help="Expand xacro: evaluates the file, reads its includes.")
     soft_limits: bool = option(
-        is_flag=True, help="Take the soft limits of <safety_controller> as the joints' limits."
+        help="Take the soft limits of <safety_controller> as the joints' limits."
     )
     force: bool = given.force(help="Write over a recipe that is there, and what was edited in it.")
-    assignments: tuple[tuple[str, float], ...] = given.repeated(
+    assignments: tuple[tuple[str, float], ...] = option(
         "-p",
         "--parameter",
         type=given.Numbers("JOINT=VALUE", "joint and value", "for example knee=-60"),
@@ -60,15 +58,15 @@ class Options:
     posture: str | None = option(
         metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
     )
-    srdf: str | None = option(
-        type=given.Named(), help="SRDF file with postures; by default one beside the description."
+    srdf: str | None = given.file(
+        help="SRDF file with postures; by default one beside the description."
     )
-    packages: tuple[str, ...] = given.repeated(
+    packages: tuple[str, ...] = option(
         "--package",
         metavar="NAME=DIR",
         help="The folder of a ROS package with meshes, or that a .xacro file includes; repeat.",
     )
-    arguments: tuple[str, ...] = given.repeated(
+    arguments: tuple[str, ...] = option(
         "--arg", metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
     )
 

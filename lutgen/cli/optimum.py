@@ -3,9 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
-
-import click
+from typing import Any, Literal
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
@@ -35,26 +33,22 @@ class Options(RecipeOptions):
             "repeatable."
         )
     )
-    bounds: tuple[tuple[str, float, float], ...] = given.repeated(
-        type=given.Numbers(*given.RANGE),
-        help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
+    bounds: tuple[tuple[str, float, float], ...] = option(
+        help="Where to search, in the recipe's unit; by default the recipe's range; repeatable."
     )
-    start: tuple[tuple[str, float], ...] = given.values(
+    start: tuple[tuple[str, float], ...] = option(
         help="Where nelder-mead and multistart begin; by default in the middle; repeatable."
     )
     limit: float | None = option(
-        type=float,
         help="Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
-        "ranges; by default all geometries that stand are acceptable.",
+        "ranges; by default all geometries that stand are acceptable."
     )
-    levels: int = option(type=given.Number(int, 1), default=6, help="Steps of search.")
-    ends: str = option(
-        type=click.Choice(["left", "right"]),
-        default="left",
-        help="Which end of each of the 5 cells of search is a node.",
+    levels: int = option(low=1, default=6, help="Steps of search.")
+    ends: Literal["left", "right"] = option(
+        default="left", help="Which end of each of the 5 cells of search is a node."
     )
-    seed: int = option(type=given.Number(int, 0), default=0, help="Seed of multistart.")
-    trace: bool = option(is_flag=True, help="Print the steps of the method too.")
+    seed: int = option(low=0, default=0, help="Seed of multistart.")
+    trace: bool = option(help="Print the steps of the method too.")
 
 
 @command("recipe", Options)

@@ -29,7 +29,7 @@ class PlotOptions(given.RecipeOptions, given.FigureOptions):
     convention: str = given.convention()
     scale: tuple[float, float] | None = given.option(
         nargs=2,
-        type=float,
+        type=given.Number(float),
         help="Least span of the colours, in the unit shown, so that figures compare.",
     )
 

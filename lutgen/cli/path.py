@@ -22,9 +22,9 @@ class RunOptions(RecipeOptions, FigureOptions):
 
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     output: str | None = given.output(help="CSV file of the last run.")
-    plot: str | None = option(type=given.Named(), help="Figure (PNG, SVG or PDF).")
-    animate: str | None = option(
-        type=given.Named(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
+    plot: str | None = given.file(help="Figure (PNG, SVG or PDF).")
+    animate: str | None = given.file(
+        help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
     )
 
 
@@ -37,15 +37,14 @@ class Options(RunOptions):
         "nx,ny,nz.",
     )
     points: int | None = option(
-        type=given.Number(int, 2, bounds.POINTS.most),
-        help=f"Points of the paper's path.  [default: {POINTS}]",
+        low=2, high=bounds.POINTS.most, help=f"Points of the paper's path.  [default: {POINTS}]"
     )
     turn: float = option(
         default=0.0,
         help="Turn the robot by this angle against the path's heading, deg, to the left.",
     )
-    no_control: bool = option(is_flag=True, help="Only drive without changing the shape.")
-    lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
+    no_control: bool = option(help="Only drive without changing the shape.")
+    lag: int = option(low=0, default=1, help="Points by which control is late.")
     method: str = given.method()
     objective: str = option(
         default="sdg", help="The best of it is chosen: a channel, or a sum such as sdg+0.1*height."
@@ -53,14 +52,13 @@ class Options(RunOptions):
     convention: str = given.convention(
         "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
-    rates: tuple[tuple[str, float], ...] = given.values(
+    rates: tuple[tuple[str, float], ...] = option(
         "--rate",
         help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
-    speed: float | None = given.positive(help="Along the path, length per second; with --rate.")
+    speed: float | None = option(above=0.0, help="Along the path, length per second; with --rate.")
     headings: int | None = option(
-        type=given.Number(int, 1, bounds.HEADINGS.most),
-        help="Let the robot turn, too, to this many headings.",
+        low=1, high=bounds.HEADINGS.most, help="Let the robot turn, too, to this many headings."
     )
 
 

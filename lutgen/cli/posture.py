@@ -23,12 +23,14 @@ AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 class MetricsOptions(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     tilt: float = option(
-        type=given.Number(float, 0.0, 180.0),
+        low=0.0,
+        high=180.0,
         default=20.0,
         help="Tilt of the ground in deg, for the metrics over all headings.",
     )
     headings: int = option(
-        type=given.Number(int, 1, bounds.HEADINGS.most),
+        low=1,
+        high=bounds.HEADINGS.most,
         default=24,
         help="How many headings, evenly spaced, the first nose down.",
     )
@@ -170,9 +172,7 @@ def motion_lines(report: dict[str, Any]) -> Iterator[str]:
 @dataclass(frozen=True)
 class StanceOptions(FigureOptions):
     gravity: tuple[float, float, float] | None = option(
-        "-g",
-        type=given.Numbers(*given.DIRECTION, nonzero=True),
-        help="Gravity in the frame of the file, pointing down; instead of the file's.",
+        "-g", help="Gravity in the frame of the file, pointing down; instead of the file's."
     )
     output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
 

@@ -27,8 +27,8 @@ SHOWN = 6
 @dataclass(frozen=True)
 class NewOptions:
     output: str | None = given.output(help="Recipe to write (.toml).")
-    list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
-    force: bool = option(is_flag=True, help="Write over a file that is there.")
+    list_kinds: bool = option("--list", help="List the kinds and write nothing.")
+    force: bool = option(help="Write over a file that is there.")
 
 
 def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:

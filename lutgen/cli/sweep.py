@@ -24,8 +24,8 @@ class SweepOptions(RecipeOptions):
     force: bool = given.force(
         help="Replace what is there: unfinished work, or a file that lutgen did not make."
     )
-    threads: int | None = option(type=int, help="Threads to compute with.  [default: all]")
-    resume: bool = option(is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
+    threads: int | None = option(help="Threads to compute with.  [default: all]")
+    resume: bool = option(help="Go on with an interrupted sweep of the same recipe.")
     engine: str = option(default="local", help="Where blocks are computed: local or dask.")
     scheduler: str | None = option(
         metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
@@ -34,8 +34,8 @@ class SweepOptions(RecipeOptions):
 
 @dataclass(frozen=True)
 class InfoOptions:
-    verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
-    unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
+    verify: bool = option(help="Read everything and check every checksum.")
+    unsealed: bool = option(help="Read a file without a digest, too.")
 
 
 @command("recipe", SweepOptions)

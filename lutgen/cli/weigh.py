@@ -8,7 +8,7 @@ from typing import Any
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, analysis, np, robots, searches
-from lutgen.cli.options import Named, RecipeOptions, command, option
+from lutgen.cli.options import RecipeOptions, command, option
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
@@ -19,19 +19,19 @@ SCALE = 0.005
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    scales: str | None = option(
-        type=Named(),
+    scales: str | None = given.file(
         help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
-        "if wanted parameters, slope_deg and heading_deg.",
+        "if wanted parameters, slope_deg and heading_deg."
     )
-    tilt: str | None = option(
-        type=Named(),
-        help="CSV file: slope_deg and heading_deg at which the robot began to tip, parameters.",
+    tilt: str | None = given.file(
+        help="CSV file: slope_deg and heading_deg at which the robot began to tip, parameters."
     )
     accuracy: float | None = option(
-        type=float, help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
+        help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
     )
-    angle_accuracy: float = given.positive(default=1.0, help="Standard deviation of --tilt, deg.")
+    angle_accuracy: float = option(
+        above=0.0, default=1.0, help="Standard deviation of --tilt, deg."
+    )
     output: str | None = given.output(help="Write the recipe with the correction (.toml).")
     force: bool = given.force()
 
