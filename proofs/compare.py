@@ -91,7 +91,7 @@ def polygon_limits(corners: Floats, headings: Floats) -> Floats:
 def outline(posture: Posture) -> Floats:
     """Return the lowest points of all contacts whose outline from above has no other outside."""
     down = (0.0, 0.0, -1.0)
-    contacts = range(len(posture.primitives))
+    contacts = range(len(posture.recipe.contacts))
     points = np.array([support_contact(posture.primitives, k, down) for k in contacts])
     # From above they are counter-clockwise.
     return np.asarray(points[ConvexHull(points[:, :2]).vertices[::-1]])

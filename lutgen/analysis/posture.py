@@ -15,7 +15,7 @@ from lutgen import support
 from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, region_of, wrenches
 from lutgen.errors import InputError, reject
-from lutgen.recipe import Postures, Recipe, body_parts, forward, radii_and_kinds, robot_size_of
+from lutgen.recipe import Postures, Recipe, body_parts, forward, robot_size_of
 from lutgen.vector import Floats, read3
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
@@ -103,9 +103,8 @@ class Posture:
 
     @cached_property
     def primitives(self) -> Floats:
-        """The contacts as the kernels take them (n, 8), relative to the com."""
-        radii, kinds = radii_and_kinds(self.recipe)
-        return support.pack(self.placed.centres[0], self.placed.axes[0], radii, kinds)
+        """The contacts as the kernels take them (n, 8), relative to the com; then the axles."""
+        return np.asarray(primitives_of(self.recipe, self.placed)[0])
 
     @cached_property
     def wrench(self) -> Floats:
@@ -115,8 +114,7 @@ class Posture:
     @cached_property
     def region(self) -> support.Region:
         """What stands and what tips, as the kernels have it."""
-        primitives = primitives_of(self.recipe, self.placed)[0]
-        return region_of(primitives, acceptance_of(self.recipe))
+        return region_of(self.primitives, acceptance_of(self.recipe))
 
     @property
     def seats(self) -> NDArray[np.void]:
@@ -192,7 +190,7 @@ def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
         return {}
     # Sizes are the robot's, not those of a robot on all its parts.
     least = SLACK * robot_size_of(recipe)
-    body = Posture(replace(recipe, contacts=parts), posture.params).primitives
+    body = Posture(replace(recipe, contacts=parts, axles=()), posture.params).primitives
     x, y, z = facet.normal.tolist()
     result: dict[str, float] = {}
     for i, part in enumerate(parts):

@@ -100,13 +100,15 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     say, the result's deviations grow with them.  Refused are unknown contacts, contacts in the air,
     and loads that no mass explains.
     """
-    start = _start(recipe, readings)
+    mass = math.fsum(link.mass for link in recipe.links)
+    read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
+    # The recipe's own mass and no shift; without masses, the most that the scales read.
+    start = np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
     centres = Posture(recipe, readings[0].params).placed.centres[0]
     size = float(np.linalg.norm(centres, axis=1).max()) or 1.0
     estimate, scale = start, start[0] * np.array([1.0, size, size, size])
-    weighed = any(isinstance(one, Weighing) for one in readings)
     # Tilts alone do not determine the mass, which stays.
-    free = scale if weighed else scale * [0.0, 1.0, 1.0, 1.0]
+    free = scale if read else scale * [0.0, 1.0, 1.0, 1.0]
     for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
         parts = [_equations(recipe, one, estimate) for one in readings]
         row, value, unit = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -120,17 +122,10 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     freedom = len(value) - (4 - unknown.shape[1])
     grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
     mass_std, com_std, spread = _deviations(estimate, grown * covariance, unknown)
-    mass_std = mass_std if weighed else math.inf
+    mass_std = mass_std if read else math.inf
     advice = _advice(recipe, readings, estimate, row, scale)
     mass, shift = float(estimate[0]), estimate[1:] / estimate[0]
     return Weighed(mass, mass_std, shift, com_std, spread, rest * unit, advice)
-
-
-def _start(recipe: Recipe, readings: Sequence[Reading]) -> Floats:
-    """Return the recipe's own mass and no shift; without masses, the mass that the scales read."""
-    mass = math.fsum(link.mass for link in recipe.links)
-    read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
-    return np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
 
 
 def _seated(

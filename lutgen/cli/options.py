@@ -1,5 +1,6 @@
 """Inputs of commands: options as a dataclass, texts as numbers, and a source to work on."""
 
+import contextlib
 import functools
 import inspect
 import logging
@@ -227,9 +228,11 @@ class FigureOptions:
 
 def open_source(path: str, allow_python: bool = False) -> "robots.Recipe | maps.StabilityMap":
     """Open a recipe or a map, whichever `path` names."""
-    if _is_map(path):
-        return maps.load_map(path)
-    return robots.load_recipe(path, allow_python=allow_python)
+    is_map = path.endswith(MAPS)
+    # The reader says why a file cannot be opened.
+    with contextlib.suppress(OSError), Path(path).open("rb") as file:
+        is_map = is_map or file.read(len(robots.HDF5)) == robots.HDF5
+    return maps.load_map(path) if is_map else robots.load_recipe(path, allow_python=allow_python)
 
 
 def open_recipe(path: str, allow_python: bool = False) -> "robots.Recipe":
@@ -242,17 +245,6 @@ def open_recipe(path: str, allow_python: bool = False) -> "robots.Recipe":
         return recipe
     # A map leaves the code alone, and so has a robot without contacts.
     return robots.parse_recipe(recipe.text, recipe.source, allow_python, urdf=recipe.urdf)
-
-
-def _is_map(path: str) -> bool:
-    if path.endswith(MAPS):
-        return True
-    try:
-        with Path(path).open("rb") as file:
-            return file.read(len(robots.HDF5)) == robots.HDF5
-    except OSError:
-        # The reader says why it cannot be opened.
-        return False
 
 
 def named_values(
