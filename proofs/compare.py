@@ -105,7 +105,7 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
     except LutgenError:
         return None
     facet = posture.under(LEVEL[0])
-    if facet is None or ours.level_status > 0.0 or not facet.is_rest:
+    if facet is None or ours.level_status > 0.0:
         return None
     level = {name: ours.level[name] for name in OURS}
     level |= {name: float(rule(facet.points, LEVEL)[0]) for name, rule in MARGINS.items()}

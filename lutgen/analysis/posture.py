@@ -30,9 +30,8 @@ class Facet:
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
     in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
-    inside, and `touching_points` (t, 3) theirs.  Only on one that `is_rest` the robot stands.
-    `axle` is one that swings there, if any; the corners then have the names of the nearest
-    contacts.  Body frame, recipe's unit.
+    inside, and `touching_points` (t, 3) theirs.  `axle` is one that swings there, if any; the
+    corners then have the names of the nearest contacts.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -42,7 +41,6 @@ class Facet:
     centroid: Floats
     touching: tuple[int, ...]
     touching_points: Floats
-    is_rest: bool
     axle: Axle | None = None
 
     @property
@@ -166,7 +164,6 @@ def _facet(region: support.Region, k: int) -> Facet:
         seat["centroid"].copy(),
         tuple(int(source[i]) for i in (*first, *others)),
         np.vstack([points[: len(first)], np.array(inner).reshape(-1, 3)]),
-        bool(seat["is_rest"]),
         _axle(region.axle[seat["facet"]], others) if facet["swings"] else None,
     )
 

@@ -178,11 +178,11 @@ def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
 
 def speed_text(speed: float | None) -> str:
     """Return a speed as text, rounded down; none where it never tips."""
-    return "none" if speed is None else f"{math.floor(100.0 * speed) / 100.0:.2f}"
+    return "none" if speed is None else f"{analysis.rounded_down(speed):.2f}"
 
 
 def limit_text(value: float) -> str:
     """Return a limit as text, rounded down."""
     if value <= 0.0:
         return output.VERDICTS["tips"]
-    return "none" if value >= BOUNDLESS else f"{math.floor(100.0 * value) / 100.0:.2f} m/s2"
+    return "none" if value >= BOUNDLESS else f"{analysis.rounded_down(value):.2f} m/s2"

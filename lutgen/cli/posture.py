@@ -12,7 +12,6 @@ from lutgen.cli.lazy import analysis, charts, np, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, option
 from lutgen.quantities import QUANTITIES
 
-STRUCTURE = "category dof steered"
 WHEEL = "contact touches speed_rad_s=speed steering_deg slip"
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
 # The frame's own axes have names.
@@ -134,7 +133,7 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
     report = {
         **output.entries(robot, "robot=name length_unit"),
         "standing": motion.standing,
-        "structure": output.entries(motion, STRUCTURE),
+        "structure": output.entries(motion, "category dof steered"),
         **output.entries(motion, "velocity yaw_rate_deg_s possible slip"),
         "nearest": {
             "velocity": motion.nearest_velocity,
