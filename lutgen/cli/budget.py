@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -143,7 +143,7 @@ def stop_entries(
     return {"stop_speed_m_s": found.anyhow, "stop_speeds_m_s": speeds}
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     facing = FACING.get(report["heading_deg"] % 360.0, f"heading {report['heading_deg']:g} deg")
     yield f"{report['robot']}: acceleration before it tips over; slopes {facing}"
@@ -152,28 +152,27 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
         "at the last speed"
     )
     for posture, group in itertools.groupby(report["budgets"], lambda row: row["posture"]):
-        rows, group_rows = [["slope", *WAYS, "turn at"]], list(group)
-        for row in group_rows:
+        rows = list(group)
+        yield output.posture_text(posture)
+        yield ["slope", *WAYS, "turn at"]
+        for row in rows:
             limits = [limit_text(row[f"{name.replace(' ', '_')}_m_s2"]) for name in WAYS]
             speed = output.cell(row["turn_speed_m_s"], ".2f", " m/s")
-            rows.append([output.cell(row["slope_deg"], "g", " deg"), *limits, speed])
-        yield output.posture_text(posture)
-        yield from output.aligned(rows)
-        yield from stop_lines(group_rows, report["bump_m"])
+            yield [output.cell(row["slope_deg"], "g", " deg"), *limits, speed]
+        yield from stop_lines(rows, report["bump_m"])
 
 
-def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
+def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[Sequence[str]]:
     """Return the speeds of stops as text, if there are any."""
     if rows[0]["stop_speed_m_s"] is None:
         return
     on = f" on a bump of {bump:g} m" if bump else ""
     yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"
     headings = [f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]]
-    table = [["slope", *headings, "one contact"]]
+    yield ["slope", *headings, "one contact"]
     for row in rows:
         speeds = [*row["stop_speeds_m_s"].values(), row["stop_speed_m_s"]]
-        table.append([output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)])
-    yield from output.aligned(table)
+        yield [output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)]
 
 
 def speed_text(speed: float | None) -> str:

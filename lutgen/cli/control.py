@@ -1,7 +1,7 @@
 """`lutgen control`: the C steers a robot over rough ground, in a closed loop."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 from lutgen.cli import options as given
 from lutgen.cli.lazy import Floats, np, onboard, searches
 from lutgen.cli.options import command, open_recipe, option, stored_values
-from lutgen.cli.output import VERDICTS, aligned, by_unit, show
+from lutgen.cli.output import VERDICTS, by_unit, show
 from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError, reject
 
@@ -175,22 +175,20 @@ def columns_of(steering: "onboard.Steering", loop: "onboard.Loop") -> dict[str, 
     }
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     ground = "the paper's path" if report["ground"] == PAPER else report["ground"]
     yield (
         f"{report['robot']} on {ground}: {report['cycles']} cycles of {report['cycle_s']:g} s, "
         f"commands late by {report['late_by_cycles']}"
     )
-    yield from aligned(
-        [
+    for run in report["runs"]:
+        yield [
             run["name"],
             f"{VERDICTS['tips']} in {run['tips']} cycles ({100.0 * run['share']:.3g} %)",
             f"least tip angle {run['least_tip_angle_deg']:.4g} deg",
             f"median {run['median_tip_angle_deg']:.4g} deg",
         ]
-        for run in report["runs"]
-    )
     yield f"it tips over only with control in {report['tips_only_with_control']} cycles"
     moves = ", ".join(f"{name} {count}" for name, count in report["moves"].items() if count)
     yield f"smap_step: {moves}; alarm 0 to 3: {', '.join(map(str, report['alarms']))}"

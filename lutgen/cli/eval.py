@@ -176,7 +176,7 @@ def export_report(
     }
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     status = "stands" if report["standing"] else "tips"
     if report["standing"] and report.get("status") == "rocks":
@@ -184,7 +184,7 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
     unknown = "unknown: off the chart" if not report.get("on_chart", True) else "unknown: off range"
     verdict = unknown if report["standing"] is None else output.VERDICTS[status]
     yield f"{report['robot']} ({report['source']}): {verdict}"
-    yield from output.aligned(entries(report, output.unit_text(report["length_unit"])))
+    yield from entries(report, output.unit_text(report["length_unit"]))
     if "normal_forces" in report:
         yield f"normal forces, shares of their sum ({report['normal_forces_kind']}):"
         rough = report["heuristic_forces_eq12"]

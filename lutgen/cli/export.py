@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -11,7 +11,7 @@ import click
 from lutgen.cli import options as given
 from lutgen.cli.lazy import exports, folders, maps, onboard
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
-from lutgen.cli.output import aligned, entries, show
+from lutgen.cli.output import entries, show
 from lutgen.quantities import EXPORTABLE
 
 
@@ -115,19 +115,20 @@ def export(source: str, options: ExportOptions) -> None:
     show({"directory": options.output, **report}, export_lines)
 
 
-def export_lines(report: dict[str, Any]) -> Iterator[str]:
+def export_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    rows = [("flash", folders.bytes_text(report["bytes"]))]
+    yield "flash", folders.bytes_text(report["bytes"])
     for name, errors in folders.errors_of(report).items():
         said = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
-        rows.append((name, said or "errors not measured"))
+        yield name, said or "errors not measured"
     unsafe, guard = report["false_safe"], f"guard {report['guard_deg']:.3g} deg"
     given_up = f"{folders.share(report['false_tip'])} of the stable configurations reported unsafe"
     tested = "not certified" if unsafe is None else f"{unsafe} points said to stand that tip"
-    rows.append(("verdict", f"{guard}, {given_up}, {tested}"))
-    rows += [("note", note) for note in (report["certificate"] or {}).get("text", ())]
-    yield from aligned([*rows, ("folder", report["directory"])])
+    yield "verdict", f"{guard}, {given_up}, {tested}"
+    for note in (report["certificate"] or {}).get("text", ()):
+        yield "note", note
+    yield "folder", report["directory"]
 
 
 @command("source", PolicyOptions)
@@ -160,18 +161,15 @@ def policy(source: str, options: PolicyOptions) -> None:
     show({"directory": options.output, **report, "loss": loss}, policy_lines)
 
 
-def policy_lines(report: dict[str, Any]) -> Iterator[str]:
+def policy_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     policy, loss = report["policy"], report["loss"]
     yield f"{report['name']}: {report['spec']}, steered by a table of {policy['table_bytes']} bytes"
     losses = f"{loss['mean']:.2g} deg mean, {loss['p95']:.2g} p95, {loss['largest']:.2g} largest"
     steps = f"{loss['step']:.3g} deg between nodes at most; the best alone jumps"
+    yield "loss", f"{losses}, against the best posture on {loss['slopes']} slopes"
+    yield "steps", f"{steps} {loss['best_step']:.3g}"
     tips = f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands"
-    rows = [
-        ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
-        ("steps", f"{steps} {loss['best_step']:.3g}"),
-        ("tips over", tips),
-        ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
-        ("folder", report["directory"]),
-    ]
-    yield from aligned(rows)
+    yield "tips over", tips
+    yield "state", f"{4 * policy['state_words']} bytes of RAM and those of an address"
+    yield "folder", report["directory"]

@@ -1,14 +1,14 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
 from lutgen.cli.options import RecipeOptions, command, log, option, stored_values
-from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
+from lutgen.cli.output import TIPS, VERDICTS, cell, entries, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
@@ -153,7 +153,7 @@ def steps(robot: "robots.Recipe", found: "searches.Optimum") -> list[dict[str, A
     ]
 
 
-def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
+def optimum_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     length, parameters = unit_text(report["length_unit"]), report["parameters"]
     verdict = f"stands, {report['objective']} {text(report, length)}"
@@ -161,16 +161,14 @@ def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
         verdict = f"{VERDICTS['tips']} in every geometry tried, least in this one"
     evaluations = f"{report['evaluations']} evaluations"
     yield f"{report['robot']}, {report['method']}: {verdict}, {evaluations}"
-    rows = []
     for name, part in parameters.items():
-        acceptable = [*values_of(part, "acceptable")[0]]
-        rows.append([f"  {name}", text(part, length)])
+        acceptable, more = [*values_of(part, "acceptable")[0]], list[str]()
         if part["kept"]:
-            rows[-1].append("kept")
+            more = ["kept"]
         elif None not in acceptable:
             low, high = map(cell, acceptable)
-            rows[-1] += [f"+- {text(part, length, 'delta')}", f"acceptable {low} to {high}"]
-    yield from aligned(rows)
+            more = [f"+- {text(part, length, 'delta')}", f"acceptable {low} to {high}"]
+        yield [f"  {name}", text(part, length), *more]
     last = report["last"]["parameters"]
     if any(text(last[name], length) != text(parameters[name], length) for name in last):
         yield f"last node, worse than the best seen: {node(report['last'], length)}"

@@ -1,7 +1,7 @@
 """`lutgen path`: a robot drives over rough terrain, with and without control."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -200,16 +200,14 @@ def tilts(down: "Floats") -> "Floats":
     return np.asarray(np.degrees(np.arctan2(np.hypot(down[:, 0], down[:, 1]), -down[:, 2])))
 
 
-def path_lines(report: dict[str, Any]) -> Iterator[str]:
+def path_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     where = "the paper's path" if report["terrain"] == PAPER else report["terrain"]
     length = f"{report['length']:.6g}{output.unit_text(report['length_unit'])}"
     yield f"{report['robot']} on {where}: {report['points']} points, length {length}"
-    rows = []
     for run in report["runs"]:
         least = run["least_at"]
         at = ", ".join(f"{report['path'][axis][least]:.4g}" for axis in "xyz")
         tips = f"at {len(run['tips_at'])} points ({100.0 * run['share']:.3g} %)"
         angle = f"least tip angle {run['least_tip_angle_deg']:.4g} deg at point {least} ({at})"
-        rows.append([run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"])
-    yield from output.aligned(rows)
+        yield [run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"]

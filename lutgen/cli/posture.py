@@ -1,7 +1,7 @@
 """`lutgen metrics`, `wheels` and `stance`: metrics of one posture, its wheels, uneven ground."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -222,7 +222,7 @@ def feet(footing: "analysis.Footing", found: "analysis.Equilibrium") -> Iterator
         }
 
 
-def stance_lines(report: dict[str, Any]) -> Iterator[str]:
+def stance_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     unit = output.unit_text(report["length_unit"])
     yield f"{report['title']}: {SAID[report['holds']]}"
@@ -239,13 +239,12 @@ def stance_lines(report: dict[str, Any]) -> Iterator[str]:
     shape = {0: "none", 1: "a point", 2: "a line"}.get(count, f"{count} corners")
     is_open = ", open within the search" if report["region_is_open"] else ""
     yield from output.aligned([*rows, ["region", shape + is_open]])
-    rows = [["foot", "friction", "normal force", "friction used"]]
+    yield ["foot", "friction", "normal force", "friction used"]
     for foot in report["feet"]:
         used = foot["friction_used"]
         used = "-" if used is None else f"{100.0 * used:.0f} %"
         force = length(foot["normal_force"], form=".3f")
-        rows.append([foot["name"], f"{foot['friction']:g}", force, used])
-    yield from output.aligned(rows)
+        yield [foot["name"], f"{foot['friction']:g}", force, used]
 
 
 def length(value: float | None, unit: str = "", form: str = ".4g") -> str:

@@ -101,7 +101,7 @@ def new(kind: str | None, options: NewOptions) -> None:
     """
     kinds = robots.start_recipes()
     if options.list_kinds:
-        show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()))
+        show({"kinds": kinds}, lambda report: report["kinds"].items())
         return
     if kind is None or options.output is None:
         missing = "a kind" if kind is None else "a file to write"

@@ -1,7 +1,7 @@
 """`lutgen weigh`: mass and centre of mass from scales under the contacts, and from tilts."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -143,7 +143,7 @@ def residual_entries(
             yield output.entries(one, "heading_deg slope_deg") | residual
 
 
-def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
+def weigh_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     unit = output.unit_text(report["length_unit"])
     cell = output.cell
@@ -163,15 +163,14 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     if report["com_open"]:
         yield "what is not determined moves as little as the readings need: level scales give no"
         yield "height; weigh on a slope of 10 deg as well, or give --tilt"
-    rows = [["reading", "value", "residual"]]
+    yield ["reading", "value", "residual"]
     for one in report["readings"]:
         if "scale" in one:
             known = [one["scale"], cell(one["kg"], ".6g", " kg")]
         else:
             at = f"tips, heading {one['heading_deg']:g} deg"
             known = [at, cell(one["slope_deg"], ".4g", " deg")]
-        rows.append([*known, cell(one.get("residual_kg", one.get("residual_deg")), "+.2g")])
-    yield from output.aligned(rows)
+        yield [*known, cell(one.get("residual_kg", one.get("residual_deg")), "+.2g")]
     advice = report["next"]
     if advice is not None and advice["com_std"] is not None:
         ground = f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg"
