@@ -9,7 +9,7 @@ result is written into the text of a recipe.
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -226,8 +226,14 @@ def _advice(
     """Return the weighing after which the com is known best, or None."""
     accuracies = [one.accuracy for one in readings if isinstance(one, Weighing)]
     accuracy = min(accuracies, default=0.01 * float(estimate[0]))
+    home = recipe.home_params
+    ends = [(i, end) for i, p in enumerate(recipe.parameters) for end in (p.minimum, p.maximum)]
+    # Home and each end of a parameter, level and tilted.
+    rows = [home, *((*home[:i], end, *home[i + 1 :]) for i, end in ends)]
+    headings = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)
+    slopes = [(0.0, 0.0), *((PROPOSED, heading) for heading in headings)]
     best = None
-    for params, slope, heading in _candidates(recipe):
+    for params, (slope, heading) in itertools.product(rows, slopes):
         facet, down = _seated(recipe, params, slope, heading)
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         walls = np.cross(start, stop)
@@ -240,17 +246,6 @@ def _advice(
         if best is None or spread < best.com_std:
             best = Advice(params, slope, heading, spread)
     return best
-
-
-def _candidates(recipe: Recipe) -> Iterator[tuple[tuple[float, ...], float, float]]:
-    """Yield postures, slopes and headings: home and each end of a parameter, level and tilted."""
-    home = recipe.home_params
-    ends = [(i, end) for i, p in enumerate(recipe.parameters) for end in (p.minimum, p.maximum)]
-    rows = [home, *((*home[:i], end, *home[i + 1 :]) for i, end in ends)]
-    headings = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)
-    slopes = [(0.0, 0.0), *((PROPOSED, heading) for heading in headings)]
-    for row, (slope, heading) in itertools.product(rows, slopes):
-        yield tuple(row), slope, heading
 
 
 def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]:

@@ -114,33 +114,24 @@ def budget_rows(
     ground = analysis.tilted(np.radians(slope), math.radians(options.heading))
     down = evaluation.body_gravity(robot, params, ground, "plane")
     found = {
-        f"{name.replace(' ', '_')}_m_s2": analysis.budgets(
-            robot, params, down, np.tile(way, (len(params), 1))
-        )
+        f"{name.replace(' ', '_')}_m_s2": analysis.budgets(robot, params, down, way)
         for name, way in WAYS.items()
     }
     sides = np.minimum(found["turning_left_m_s2"], found["turning_right_m_s2"])
     found["turn_speed_m_s"] = analysis.turn_speed(sides, options.turn)
-    return [
-        {
-            "posture": output.by_unit(robot, params[i]),
+    around = analysis.even_headings(options.headings)
+    names, rows = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()], []
+    for i, row in enumerate(params):
+        stops = analysis.stop_speeds(analysis.Posture(robot, row), down[i], around, options.bump)
+        entries = {
+            "posture": output.by_unit(robot, row),
             "slope_deg": float(slope[i]),
             **{key: float(values[i]) for key, values in found.items()},
-            **stop_entries(robot, params[i], down[i], options),
+            "stop_speed_m_s": stops.anyhow,
+            "stop_speeds_m_s": dict(zip(names, stops.all_at_once.tolist(), strict=True)),
         }
-        for i in range(len(params))
-    ]
-
-
-def stop_entries(
-    robot: "robots.Recipe", params: "Floats", down: "Floats", options: Options
-) -> dict[str, Any]:
-    """Return the speeds from which a stop does not tip one posture, by heading (deg)."""
-    around = analysis.even_headings(options.headings)
-    found = analysis.stop_speeds(analysis.Posture(robot, params), down, around, options.bump)
-    names = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()]
-    speeds = dict(zip(names, found.all_at_once.tolist(), strict=True))
-    return {"stop_speed_m_s": found.anyhow, "stop_speeds_m_s": speeds}
+        rows.append(entries)
+    return rows
 
 
 def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
