@@ -30,26 +30,22 @@ BOUNDLESS = 49.9
 class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
-        help="Also over postures: a parameter from one end to the other."
+        "Also over postures: a parameter from one end to the other."
     )
-    steps: int = option(low=2, high=MOST, default=5, help="How many values of --over.")
+    steps: int = option("How many values of --over.", low=2, high=MOST, default=5)
     slope: str = option(
+        "Slopes of the ground, deg; one alone is a number.",
         default="0:30:10",
         metavar="FROM:TO:STEP",
-        help="Slopes of the ground, deg; one alone is a number.",
     )
     heading: float = option(
+        "How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
         default=0.0,
-        help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
-    turn: float = option(
-        above=0.0, default=2.0, help="Radius of the turn whose speed is printed, m."
-    )
-    headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
-    bump: float = option(
-        low=0.0, default=0.0, help="Height of a bump below one contact as it stops, m."
-    )
-    output: str | None = given.output(help="CSV file of the table.")
+    turn: float = option("Radius of the turn whose speed is printed, m.", above=0.0, default=2.0)
+    headings: int = option("How many have a stop speed; a multiple of 4.", default=8)
+    bump: float = option("Height of a bump below one contact as it stops, m.", low=0.0, default=0.0)
+    output: str | None = given.output("CSV file of the table.")
     force: bool = given.force()
 
 

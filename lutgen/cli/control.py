@@ -23,34 +23,34 @@ WITHOUT, WITH = "without control", "with control"
 @dataclass(frozen=True)
 class Options(RunOptions):
     terrain: str = option(
+        "As of `lutgen path`: the paper's path, or columns x,y,z and more.",
         default=PAPER,
         metavar="paper|FILE.csv",
-        help="As of `lutgen path`: the paper's path, or columns x,y,z and more.",
     )
     log: str | None = given.file(
-        metavar="FILE.csv",
-        help="Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
+        "Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
         "gyroscope, and each parameter.",
+        metavar="FILE.csv",
     )
     turn: float = option(
-        default=0.0, help="Turn the robot by this angle against the path's heading, deg."
+        "Turn the robot by this angle against the path's heading, deg.", default=0.0
     )
     speed: float | None = option(
-        above=0.0, help="Along the path, length per second.  [default: a cycle at each point]"
+        "Along the path, length per second.  [default: a cycle at each point]", above=0.0
     )
     latency: float | None = option(
-        low=0.0, help="From sample to motion, s; a cycle at least.  [default: the policy's]"
+        "From sample to motion, s; a cycle at least.  [default: the policy's]", low=0.0
     )
     rate: tuple[tuple[str, float], ...] = option(
-        help="How fast a joint is, per second; repeat.  [default: the policy's]"
+        "How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
-        low=0.0, default=0.0, help="Standard deviation of each axis of the accelerometer, m/s2."
+        "Standard deviation of each axis of the accelerometer, m/s2.", low=0.0, default=0.0
     )
-    seed: int = option(default=0, help="Seed of the noise.")
-    no_gyroscope: bool = option(help="The robot has none.")
-    objective: str | None = option(help="Objective of the policy that is made for a recipe.")
-    cycle: float | None = option(above=0.0, help="Cycle of that policy, s.  [default: 1]")
+    seed: int = option("Seed of the noise.", default=0)
+    no_gyroscope: bool = option("The robot has none.")
+    objective: str | None = option("Objective of the policy that is made for a recipe.")
+    cycle: float | None = option("Cycle of that policy, s.  [default: 1]", above=0.0)
 
 
 @command("source", Options)

@@ -19,63 +19,61 @@ from lutgen.quantities import EXPORTABLE
 class FolderOptions(RecipeOptions):
     """Options of every command that writes a folder of C."""
 
-    output: str = given.output(required=True, help="The folder; it appears when whole.")
-    name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
+    output: str = given.output("The folder; it appears when whole.", required=True)
+    name: str | None = option("C identifier of the map.  [default: the robot's name]")
 
 
 @dataclass(frozen=True)
 class ExportOptions(FolderOptions):
     force: bool = given.force()
     flash: str | None = option(
-        metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
+        "Most bytes of tables and code: 16KiB, 64k (of 1000), 4096.", metavar="SIZE"
     )
     max_error: str | None = option(
-        metavar="X", help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit."
+        "Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.", metavar="X"
     )
     channels: str | None = option(
+        f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
         metavar="A,B",
-        help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
     # Their names come from `codecs` below: importing that takes longer than --help may.
     codec: str = option(
+        "auto, or the only one that may be used; any other name is answered with all.",
         metavar="NAME",
         default="auto",
-        help="auto, or the only one that may be used; any other name is answered with all.",
     )
     arithmetic: Literal["float", "integer"] = option(
-        default="float", help="integer: for processors without floating point."
+        "integer: for processors without floating point.", default="float"
     )
 
 
 @dataclass(frozen=True)
 class PolicyOptions(FolderOptions):
     objective: str = option(
-        default="tip_angle",
-        help="tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
+        "tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
         "that keeps --margin; sdg, as the paper has it.",
+        default="tip_angle",
     )
     within: float = option(
-        default=1.0, help="Take the smoothest of all postures within so many deg of the best."
+        "Take the smoothest of all postures within so many deg of the best.", default=1.0
     )
-    nodes: int = option(low=2, high=65, default=9, help="Nodes of the table along either slope.")
-    slope: float = option(
-        above=0.0, high=89.0, default=45.0, help="Steepest slope of the table, deg."
-    )
+    nodes: int = option("Nodes of the table along either slope.", low=2, high=65, default=9)
+    slope: float = option("Steepest slope of the table, deg.", above=0.0, high=89.0, default=45.0)
     home: tuple[tuple[str, float], ...] = option(
-        help="Posture where nothing else matters; repeat for each."
+        "Posture where nothing else matters; repeat for each."
     )
     rate: tuple[tuple[str, float], ...] = option(
-        help="How fast a parameter changes, per second; repeat."
+        "How fast a parameter changes, per second; repeat."
     )
-    delta: tuple[tuple[str, float], ...] = option(help="How far from the driver's request; repeat.")
-    cycle: float = option(above=0.0, default=0.02, help="Time of a cycle, s.")
-    latency: float = option(above=0.0, default=0.06, help="From sample to motion, s.")
-    margin: float = option(above=0.0, default=3.0, help="Tip angle that every way is to keep, deg.")
+    delta: tuple[tuple[str, float], ...] = option("How far from the driver's request; repeat.")
+    cycle: float = option("Time of a cycle, s.", above=0.0, default=0.02)
+    latency: float = option("From sample to motion, s.", above=0.0, default=0.06)
+    margin: float = option("Tip angle that every way is to keep, deg.", above=0.0, default=3.0)
     convention: str = given.convention(
         "plane", "body", "The robot leans as its shape makes it, or keeps its attitude."
     )
     poses: int = option(
-        low=1, high=2, default=1, help="Poses that a cycle may make of many contacts, 1 or 2."
+        "Poses that a cycle may make of many contacts, 1 or 2.", low=1, high=2, default=1
     )
 
 

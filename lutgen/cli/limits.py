@@ -19,17 +19,17 @@ FIRST = {None: "-", True: "slides first", False: "tips first"}
 @dataclass(frozen=True)
 class Options(RecipeOptions, FigureOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    over_all: bool = option("--all", help="Also over all postures of the sweep.")
-    best: bool = option(help="Also the best posture of the sweep in each heading.")
-    headings: int = option(default=24, help="How many the table of --best has; a multiple of 4.")
+    over_all: bool = option("Also over all postures of the sweep.", "--all")
+    best: bool = option("Also the best posture of the sweep in each heading.")
+    headings: int = option("How many the table of --best has; a multiple of 4.", default=24)
     convention: str = given.convention(
         "plane", "body", "Count body tilt from level ground under it, or from a level body."
     )
     least_share: tuple[tuple[str, float], ...] = option(
+        "Also up to which body tilt a group or contact carries this share of the weight.",
         type=given.Numbers("NAME=SHARE", "share", "for example front=0.2"),
-        help="Also up to which body tilt a group or contact carries this share of the weight.",
     )
-    output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
+    output: str | None = given.output("Figure (PNG, SVG or PDF).")
 
 
 @command("recipe", Options)

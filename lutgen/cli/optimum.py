@@ -18,37 +18,31 @@ from lutgen.quantities import QUANTITIES, RANKED
 class Options(RecipeOptions):
     gravity: tuple[float, float, float] = given.gravity()
     method: str = given.method(
-        help=(
-            "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
-            "mead: one simplex; multistart: many points, for objectives with several minima."
-        )
+        "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
+        "mead: one simplex; multistart: many points, for objectives with several minima."
     )
-    objective: str = option(
-        default="sdg", help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height."
-    )
+    objective: str = option(f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height.", default="sdg")
     convention: str = given.convention()
-    assignments: tuple[tuple[str, float], ...] = given.parameters(
-        help=(
-            "Keep this parameter at a value, in the recipe's unit, and search the others; "
-            "repeatable."
-        )
+    assignments: tuple[tuple[str, float], ...] = option(
+        "Keep this parameter at a value, in the recipe's unit, and search the others; repeatable.",
+        "-p --parameter",
     )
     bounds: tuple[tuple[str, float, float], ...] = option(
-        help="Where to search, in the recipe's unit; by default the recipe's range; repeatable."
+        "Where to search, in the recipe's unit; by default the recipe's range; repeatable."
     )
     start: tuple[tuple[str, float], ...] = option(
-        help="Where nelder-mead and multistart begin; by default in the middle; repeatable."
+        "Where nelder-mead and multistart begin; by default in the middle; repeatable."
     )
     limit: float | None = option(
-        help="Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
+        "Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
         "ranges; by default all geometries that stand are acceptable."
     )
-    levels: int = option(low=1, default=6, help="Steps of search.")
+    levels: int = option("Steps of search.", low=1, default=6)
     ends: Literal["left", "right"] = option(
-        default="left", help="Which end of each of the 5 cells of search is a node."
+        "Which end of each of the 5 cells of search is a node.", default="left"
     )
-    seed: int = option(low=0, default=0, help="Seed of multistart.")
-    trace: bool = option(help="Print the steps of the method too.")
+    seed: int = option("Seed of multistart.", low=0, default=0)
+    trace: bool = option("Print the steps of the method too.")
 
 
 @command("recipe", Options)

@@ -103,7 +103,7 @@ NUMBERS: dict[Any, Numbers] = {
 }
 
 
-def option(*flags: str, **settings: Any) -> Any:
+def option(help: str = "", flags: str = "", **settings: Any) -> Any:
     """Return a field of a dataclass that `command` turns into an option of the command line.
 
     It is called like the field where no long flag is given.  Unless `settings`, those of
@@ -111,14 +111,14 @@ def option(*flags: str, **settings: Any) -> Any:
     the limits `low`, `high` and `above` of `Number`, some of `NUMBERS`, one of the words of a
     `Literal`, a text, or as many of them as there are.
     """
-    return field(metadata={"option": (flags, settings)})
+    return field(metadata={"option": (flags.split(), {"help": help or None, **settings})})
 
 
 def _parameter(part: Field[Any]) -> click.Option:
     """Return the option of a field; the help shows each default that is given."""
     flags, given = part.metadata["option"]
     if not any(flag.startswith("--") for flag in flags):
-        flags = (*flags, f"--{part.name.replace('_', '-')}")
+        flags = [*flags, f"--{part.name.replace('_', '-')}"]
     parts = get_args(part.type)
     multiple = Ellipsis in parts
     kind = parts[0] if multiple or NoneType in parts else part.type
@@ -172,25 +172,24 @@ def command(
 
 
 Assignments = tuple[tuple[str, float], ...]
-force = functools.partial(option, help="Replace what is there also where lutgen did not make it.")
+force = functools.partial(option, "Replace what is there also where lutgen did not make it.")
 gravity = functools.partial(
     option,
+    "Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
     "-g",
     default="0,0,-1",
-    help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
 parameters = functools.partial(
     option,
-    "-p",
-    "--parameter",
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
+    "A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
     "is left out is at the recipe's `home`, then in the middle of its range.",
+    "-p --parameter",
 )
 method = functools.partial(
     option, type=click.Choice(("map", "nelder-mead", "search", "multistart")), default="search"
 )
 file = functools.partial(option, type=Named())
-output = functools.partial(file, "-o")
+output = functools.partial(file, flags="-o")
 
 
 def convention(
@@ -199,7 +198,7 @@ def convention(
     help: str = "Gravity is fixed in the body, or relative to the plane that the robot stands on.",
 ) -> Any:
     """Return the option that says to what gravity is fixed; the help lists the default first."""
-    return option(type=click.Choice((default, other)), default=default, help=help)
+    return option(help, type=click.Choice((default, other)), default=default)
 
 
 @dataclass(frozen=True)
@@ -211,7 +210,7 @@ class NoOptions:
 class RecipeOptions:
     """Options of every command that reports on a recipe."""
 
-    allow_python: bool = option(help="Run the code that the recipe names (`python = ...`).")
+    allow_python: bool = option("Run the code that the recipe names (`python = ...`).")
 
 
 @dataclass(frozen=True)
@@ -219,10 +218,10 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: 203 wide]"
+        "Size of the figure, mm.  [default: 203 wide]", metavar="WIDTH[xHEIGHT]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
-    style: Literal["journal", "dark"] = option(default="journal", help="How the figure looks.")
+    style: Literal["journal", "dark"] = option("How the figure looks.", default="journal")
     force: bool = force()
 
 

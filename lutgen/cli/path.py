@@ -21,44 +21,40 @@ class RunOptions(RecipeOptions, FigureOptions):
     """Options of every command that runs over ground: what `path` and `control` share."""
 
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    output: str | None = given.output(help="CSV file of the last run.")
-    plot: str | None = given.file(help="Figure (PNG, SVG or PDF).")
-    animate: str | None = given.file(
-        help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
-    )
+    output: str | None = given.output("CSV file of the last run.")
+    plot: str | None = given.file("Figure (PNG, SVG or PDF).")
+    animate: str | None = given.file("Film of both runs: GIF, or MP4 where ffmpeg is installed.")
 
 
 @dataclass(frozen=True)
 class Options(RunOptions):
     terrain: str = option(
+        "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz.",
         default=PAPER,
         metavar="paper|FILE.csv",
-        help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
-        "nx,ny,nz.",
     )
     points: int | None = option(
-        low=2, high=bounds.POINTS.most, help=f"Points of the paper's path.  [default: {POINTS}]"
+        f"Points of the paper's path.  [default: {POINTS}]", low=2, high=bounds.POINTS.most
     )
     turn: float = option(
-        default=0.0,
-        help="Turn the robot by this angle against the path's heading, deg, to the left.",
+        "Turn the robot by this angle against the path's heading, deg, to the left.", default=0.0
     )
-    no_control: bool = option(help="Only drive without changing the shape.")
-    lag: int = option(low=0, default=1, help="Points by which control is late.")
+    no_control: bool = option("Only drive without changing the shape.")
+    lag: int = option("Points by which control is late.", low=0, default=1)
     method: str = given.method()
     objective: str = option(
-        default="sdg", help="The best of it is chosen: a channel, or a sum such as sdg+0.1*height."
+        "The best of it is chosen: a channel, or a sum such as sdg+0.1*height.", default="sdg"
     )
     convention: str = given.convention(
         "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
     rates: tuple[tuple[str, float], ...] = option(
+        "The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
         "--rate",
-        help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
-    speed: float | None = option(above=0.0, help="Along the path, length per second; with --rate.")
+    speed: float | None = option("Along the path, length per second; with --rate.", above=0.0)
     headings: int | None = option(
-        low=1, high=bounds.HEADINGS.most, help="Let the robot turn, too, to this many headings."
+        "Let the robot turn, too, to this many headings.", low=1, high=bounds.HEADINGS.most
     )
 
 

@@ -22,16 +22,16 @@ AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 class MetricsOptions(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     tilt: float = option(
+        "Tilt of the ground in deg, for the metrics over all headings.",
         low=0.0,
         high=180.0,
         default=20.0,
-        help="Tilt of the ground in deg, for the metrics over all headings.",
     )
     headings: int = option(
+        "How many headings, evenly spaced, the first nose down.",
         low=1,
         high=bounds.HEADINGS.most,
         default=24,
-        help="How many headings, evenly spaced, the first nose down.",
     )
 
 
@@ -105,11 +105,11 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
 @dataclass(frozen=True)
 class WheelsOptions(RecipeOptions):
     velocity: tuple[float, float] = option(
+        "Velocity of the centre of mass, forward and to the left, length units per second.",
         type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
-        help="Velocity of the centre of mass, forward and to the left, length units per second.",
     )
-    yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
+    yaw_rate: float = option("About the ground's upward normal, deg/s.", default=0.0)
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
 
@@ -171,9 +171,9 @@ def motion_lines(report: dict[str, Any]) -> Iterator[str]:
 @dataclass(frozen=True)
 class StanceOptions(FigureOptions):
     gravity: tuple[float, float, float] | None = option(
-        "-g", help="Gravity in the frame of the file, pointing down; instead of the file's."
+        "Gravity in the frame of the file, pointing down; instead of the file's.", "-g"
     )
-    output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
+    output: str | None = given.output("Figure (PNG, SVG or PDF).")
 
 
 @command("file", StanceOptions)

@@ -26,9 +26,9 @@ SHOWN = 6
 
 @dataclass(frozen=True)
 class NewOptions:
-    output: str | None = given.output(help="Recipe to write (.toml).")
-    list_kinds: bool = option("--list", help="List the kinds and write nothing.")
-    force: bool = option(help="Write over a file that is there.")
+    output: str | None = given.output("Recipe to write (.toml).")
+    list_kinds: bool = option("List the kinds and write nothing.", "--list")
+    force: bool = option("Write over a file that is there.")
 
 
 def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:

@@ -20,19 +20,17 @@ SCALE = 0.005
 @dataclass(frozen=True)
 class Options(RecipeOptions):
     scales: str | None = given.file(
-        help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
+        "CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
         "if wanted parameters, slope_deg and heading_deg."
     )
     tilt: str | None = given.file(
-        help="CSV file: slope_deg and heading_deg at which the robot began to tip, parameters."
+        "CSV file: slope_deg and heading_deg at which the robot began to tip, parameters."
     )
     accuracy: float | None = option(
-        help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
+        "Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
     )
-    angle_accuracy: float = option(
-        above=0.0, default=1.0, help="Standard deviation of --tilt, deg."
-    )
-    output: str | None = given.output(help="Write the recipe with the correction (.toml).")
+    angle_accuracy: float = option("Standard deviation of --tilt, deg.", above=0.0, default=1.0)
+    output: str | None = given.output("Write the recipe with the correction (.toml).")
     force: bool = given.force()
 
 
