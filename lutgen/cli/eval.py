@@ -24,9 +24,8 @@ class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
     acceleration: tuple[float, float, float] | None = given.option(
-        "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
-        "gravity. Leave it out where gravity comes from an accelerometer, which reads "
-        "both.",
+        "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside gravity. "
+        "Leave it out where gravity comes from an accelerometer, which reads both.",
         "-a",
         type=given.Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
     )
