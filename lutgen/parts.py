@@ -87,7 +87,7 @@ class Link:
     """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
 
     `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
-    `shape` is for figures: the sides (length) of a box about the com.
+    For figures: `shape`, the sides (length) of a box, and its middle, else the com, `shape_at`.
     """
 
     name: str
@@ -98,6 +98,7 @@ class Link:
     mass: float = 0.0
     com: Vector = ZERO
     shape: Vector | None = None
+    shape_at: Vector | None = None
 
 
 @dataclass(frozen=True)

@@ -35,13 +35,23 @@ SUBJECTS: dict[str, Callable[[], Export]] = {
 
 @dataclass(frozen=True)
 class Subject:
-    """An export in a folder: its C name, parameters, forms of a pose in C, and whether Eva can."""
+    """An export in a folder: its C name, parameters, forms of a pose in C, and family of code."""
 
     name: str
     folder: Path
     params: int
     forms: str
-    proved: bool
+    family: str
+
+    @property
+    def many(self) -> bool:
+        """Whether it is of more than three contacts in closed form."""
+        return self.family in ("rails", "search")
+
+    @property
+    def proved(self) -> bool:
+        """Whether Eva proves it: of more contacts only one of two tracks and two rests."""
+        return not self.many or self.name == "excavator"
 
     @property
     def integer(self) -> bool:
@@ -51,7 +61,7 @@ class Subject:
     def filled(self, template: str) -> str:
         """Return a C template with this export's name, parameters and forms in it."""
         values = {"NAME": self.name, "PARAMS": str(self.params), "INTEGER": str(int(self.integer))}
-        values["FORMS"] = f"({self.forms})"
+        values |= {"FORMS": f"({self.forms})", "MANY": str(int(self.many))}
         return re.sub(r"@(\w+)@", lambda found: values[found[1]], template)
 
 
@@ -61,6 +71,5 @@ def made(name: str, folder: Path) -> Subject:
     folder.mkdir(parents=True, exist_ok=True)
     package.write(export, folder / name)
     forms = "SMAP_INTEGER" if export.integer else "SMAP_FLOAT | SMAP_INTEGER"
-    # Eva shows nothing yet for more contacts in closed form.
-    shown = family_of(export.body.codec, export.integer) in ("points", "tables", "tables_i", "grid")
-    return Subject(name, (folder / name).absolute(), export.model.k, forms, shown)
+    family = family_of(export.body.codec, export.integer)
+    return Subject(name, (folder / name).absolute(), export.model.k, forms, family)

@@ -18,12 +18,20 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.model import Model
 from firmware_export.protocol import CArray
-from lutgen.channels import acceptance_of
-from lutgen.recipe import robot_size_of
-from lutgen.support import DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
+from lutgen.channels import (
+    acceptance_of,
+    empty_axes,
+    find_axes,
+    measure_recipe,
+    primitives_of,
+    region_of,
+)
+from lutgen.recipe import Postures, robot_size_of
+from lutgen.support import ACCEPTED, DISC, SPHERE, STICKS_OUT, lies_within, pack, robot_size
 from lutgen.vector import Floats
 
 # Postures of a test: sums of products of sines that are equal in so many are the same.
@@ -124,8 +132,6 @@ def refusal(model: Model) -> str | None:
     contacts = len(shown) + 2 * len(model.recipe.axles)
     if contacts > MOST_CONTACTS:
         return f"the runtime knows {MOST_CONTACTS} contacts and points of axles (got {contacts})"
-    if model.recipe.axles and model.recipe.com_uncertainty > 0.0:
-        return "it knows no uncertain com of a robot whose axles swing; use --arithmetic integer"
     if not set(_carried(model)) <= set(shown):
         return "an axle that swings has a contact within another one; use --arithmetic integer"
     return None
@@ -168,25 +174,45 @@ def _tracks(model: Model) -> tuple[tuple[float, float], Floats] | None:
     return (float(axis[0]), float(axis[1])), places
 
 
+def _nearest_axes(model: Model, where: Postures, facet: NDArray[np.int64]) -> Floats:
+    """Return how near the com an axis of each of some facets (m, d) of postures is."""
+    accept, axes, found = acceptance_of(model.recipe), empty_axes(), np.zeros(facet.shape)
+    for at, primitives in enumerate(primitives_of(model.recipe, where)):
+        region = region_of(primitives, accept)
+        find_axes(region, np.zeros(7), axes)
+        rows = region.facet[region.seat["facet"][: region.counts[ACCEPTED]]]
+        edges = (axes.edge["distance"][f["first"] : f["first"] + f["count"]] for f in rows)
+        found[at] = np.array([*(edge.min() for edge in edges), 0.0])[facet[at]]
+    return found
+
+
 def _lowest(model: Model, rho: float) -> float:
     """Return the least height (length) of a facet that is kept, with the com anywhere in a ball.
 
     The wall of an axis turns by asin(radius of the ball / distance of the axis), and no axis of a
     facet is nearer to the com than the facet's plane: so facets lower than most postures have are
-    given up.
+    given up.  A line over which the robot turns on an axle that swings may be nearer: where it is
+    nearer than this height the facet is given up, too.
     """
     if rho == 0.0:
         return 0.0
     rng = np.random.default_rng(SEED)
-    params = model.at(rng.random((POSTURES, model.k)))
+    places = rng.random((POSTURES, model.k))
+    if model.recipe.axles:  # without its only rest such a robot would stand nowhere
+        places[: POSTURES // 4] = places[: POSTURES // 4].round()
+    params = model.at(places)
     limit = model.chart_limit
     uv = rng.uniform(-limit, limit, (2, DIRECTIONS))
     gravity = model.uv_to_gravity(np.arange(DIRECTIONS) % model.faces, *uv)
-    exact = model.exact(params, np.broadcast_to(gravity, (POSTURES, DIRECTIONS, 3)))
-    heights = exact.height[exact.tip_angle >= 0.0]
+    where, down = model.postures(params), np.broadcast_to(gravity, (POSTURES, DIRECTIONS, 3))
+    found = measure_recipe(model.recipe, where, down, ("height", "facet"))
+    heights = found["height"]
+    if model.recipe.axles:
+        heights = np.minimum(heights, _nearest_axes(model, where, found["facet"].astype(int)))
+    heights = heights[found["facet"] >= 0.0]
     least = float(np.quantile(heights, LOWEST)) if len(heights) else 0.0
-    if model.recipe.com_uncertainty == 0.0:
-        least *= LOW  # what series are off is little: no more need be given up
+    # What series are off is little: no more need be given up.
+    least *= LOW if model.recipe.com_uncertainty == 0.0 else 1.0 - HAIR
     return max(least, rho * (1.0 + HAIR) + HAIR * robot_size_of(model.recipe))
 
 

@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.model import Model, combinations
+from lutgen.analysis import Posture
 from lutgen.channels import body_gravity
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
 
 # Postures of the lattice at most, random ones beside it, seed; steps of differences, as a part
-# of an axis; the margin on what was seen.
-LATTICE, RANDOM, SEED, STEP, MARGIN = 6000, 3000, 17, 1e-4, 1.1
+# of an axis; the margin on what was seen; directions of each posture on axles that swing.
+LATTICE, RANDOM, SEED, STEP, MARGIN, DIRECTIONS = 6000, 3000, 17, 1e-4, 1.1, 40
 # As fast as this share of postures turns a robot turns on a plane; faster it rolls on over what
 # is next to no facet.
 LEANS = 0.995
@@ -23,6 +24,8 @@ LEANS = 0.995
 NARROW = 0.5
 # The curvature of a circle counts where gravity is as far outside (rad) of what is still looked at.
 OUTSIDE = 0.02
+# Postures in which planes under axles are looked at.
+PLANES = 2000
 
 
 class Limits(NamedTuple):
@@ -39,14 +42,16 @@ def limits_of(model: Model) -> Limits:
     lattice = combinations([np.linspace(0.0, 1.0, places)] * model.k)
     random = np.random.default_rng(SEED).random((RANDOM, model.k))
     t = np.clip(np.concatenate([lattice, random]), STEP, 1.0 - STEP)
-    moved = np.zeros((model.k, len(model.kind)))
+    moved = np.zeros((model.k, len(model.kind) + 1))  # contacts, and walls
     bend, lean = np.zeros(model.k), np.zeros(model.k)
     for axis in range(model.k):
         step = np.zeros(model.k)
         step[axis] = STEP
         width = STEP * (model.upper[axis] - model.lower[axis])
         there = [model.at(t + sign * step) for sign in (-1.0, 0.0, 1.0)]
-        moved[axis] = MARGIN * _moved(model, there[0], there[2], 2.0 * width)
+        moved[axis, :-1] = MARGIN * _moved(model, there[0], there[2], 2.0 * width)
+        if model.recipe.axles:
+            moved[axis, -1] = MARGIN * _turned(model, there[0], there[2], 2.0 * width)
         lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width, moved[axis].max())
         if model.is_tripod:
             bend[axis] = MARGIN * _bend(model, there, width)
@@ -61,6 +66,36 @@ def _moved(model: Model, a: Floats, b: Floats, apart: float) -> Floats:
     moved = np.sqrt(((second.centres - first.centres) ** 2).sum(axis=2))
     turned = np.sqrt(((second.axes - first.axes) ** 2).sum(axis=2)) * model.radius
     return np.asarray((moved + turned).max(axis=0) / apart)
+
+
+def _turned(model: Model, a: Floats, b: Floats, apart: float) -> float:
+    """Return how fast the tip angle changes, times the com's height above the plane (length).
+
+    On an axle that swings a wall turns otherwise than its contacts move: where the axle carries
+    depends on both, and the robot's own masses count.
+    """
+    limit = min(model.chart_limit, 1.0)
+    uv = np.random.default_rng(SEED + 2).uniform(-limit, limit, (2, DIRECTIONS))
+    down = np.broadcast_to(model.uv_to_gravity(0, *uv), (len(a), DIRECTIONS, 3))
+    first, second = model.exact(a, down), model.exact(b, down)
+    stands = np.minimum(first.tip_angle, second.tip_angle) >= 0.0
+    rates = np.abs(second.tip_angle - first.tip_angle)[stands] / apart
+    return float((rates * first.height[stands]).max(initial=0.0))
+
+
+def stands_alike(model: Model) -> bool:
+    """Return True if the same contacts carry the robot with an axle in all of many postures.
+
+    Between postures in which an axle has both of its contacts on the ground there may else be one
+    that has not, and nothing stands there.
+    """
+    t = np.random.default_rng(SEED + 3).random((PLANES, model.k))
+    t[: PLANES // 4] = t[: PLANES // 4].round()
+    found = {
+        tuple(sorted(facet.touching for facet in Posture(model.recipe, row).facets if facet.axle))
+        for row in model.at(t)
+    }
+    return len(found) == 1 and () not in found
 
 
 def _shared(moved: Floats) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from firmware_export.control.ride import Ride
 from firmware_export.control.steering import Steering
 from lutgen.channels import body_gravity, evaluate_each
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.search import Drive
 from lutgen.vector import Floats
 
@@ -66,11 +66,10 @@ def uncontrolled(steering: Steering, ride: Ride, start: Floats) -> Drive:
 def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> Loop:
     """Return the ride that the C steers, from posture (k,) `start`; rates are above 0."""
     if not (plant.rates > 0.0).all():
-        raise InputError(f"--rate: above 0 (got {plant.rates.tolist()}).")
+        reject("--rate", "is not above 0", plant.rates.tolist(), "leave it out", InputError)
     recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()
-    low = np.array([p.minimum for p in recipe.parameters])
-    high = np.array([p.maximum for p in recipe.parameters])
+    low, high = np.array([(p.minimum, p.maximum) for p in recipe.parameters]).T
     lag, most = plant.lag(cycle), plant.rates * cycle
     count = len(ride.slope)
     params, wanted = (np.empty((count, len(start))) for _ in range(2))

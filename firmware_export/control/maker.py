@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.control.limits import limits_of
+from firmware_export.control.limits import limits_of, stands_alike
 from firmware_export.control.table import between, polished, smooth
 from firmware_export.model import Model, combinations
 from firmware_export.protocol import Joint, Policy
 from lutgen.channels import evaluate_each
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.vector import Floats
 
 # Postures of the lattice at most.
@@ -39,7 +39,8 @@ def score_of(objective: str, margin: float) -> Score:
     """
     priced = _PRICED.match(objective.strip())
     if not priced and objective not in ("tip_angle", "move", "sdg"):
-        raise InputError(f"--objective: unknown objective (got {objective!r}); one of {WORDS}.")
+        way_out = f"one of {WORDS}"
+        reject("--objective", "unknown objective", repr(objective), way_out, InputError)
     price = float(priced[1]) if priced else 0.0
 
     def score(tip: Floats, sdg: Floats, move2: Floats) -> Floats:
@@ -65,9 +66,8 @@ def lattice(model: Model) -> Floats:
 
 
 def read(model: Model, postures: Floats, slopes: Floats, convention: str) -> tuple[Floats, Floats]:
-    """Return tip angle (rad) and |SD_g|, each (m,), of postures (m, k) on slopes (m, 3) or (3,)."""
-    downs = np.broadcast_to(slopes, (len(postures), 3))
-    found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"), convention)
+    """Return tip angle (rad) and |SD_g| of postures (m, k) on slopes (m, 3) or (m, s, 3) each."""
+    found = evaluate_each(model.recipe, postures, slopes, ("sdg", "tip_angle"), convention)
     return found["tip_angle"], found["sdg"]
 
 
@@ -75,8 +75,9 @@ def measured(
     model: Model, postures: Floats, slopes: Floats, convention: str
 ) -> tuple[Floats, Floats]:
     """Return tip angle (rad) and |SD_g|, each (s, p), of every posture (p, k) on slopes (s, 3)."""
-    each = [read(model, postures, slope, convention) for slope in slopes]
-    return np.stack([tip for tip, _ in each]), np.stack([sdg for _, sdg in each])
+    every = np.broadcast_to(slopes, (len(postures), *slopes.shape))
+    tip, sdg = read(model, postures, every, convention)
+    return tip.T, sdg.T
 
 
 # Slopes on which losses are measured, and their seed.
@@ -114,8 +115,9 @@ class PolicyOptions:
 class Loss(NamedTuple):
     """Losses of a table: degrees of tip angle against the best posture of the lattice, and more.
 
-    `tips` is the share of slopes on which the table's posture tips, though another stands;
-    `step` the largest change (deg, or parts of a length's axis in 1/100) between two nodes.
+    `tips` is the share of `slopes` on which the table's posture tips, though another stands;
+    `step` the largest change (deg, or parts of a length's axis in 1/100) between two nodes, and
+    `best_step` that of the nodes' own best.
     """
 
     bytes: int
@@ -126,15 +128,15 @@ class Loss(NamedTuple):
     least_tip: float
     tips: float
     step: float
+    slopes: int
+    best_step: float
 
 
 class Design(NamedTuple):
-    """A policy, what it loses, what the nodes' own best would jump (as `Loss.step`), its slopes."""
+    """A policy and what it loses."""
 
     policy: Policy
     loss: Loss
-    plain_step: float
-    slopes: int
 
 
 def design(model: Model, options: PolicyOptions) -> Design:
@@ -143,12 +145,8 @@ def design(model: Model, options: PolicyOptions) -> Design:
     parameters, n = model.recipe.parameters, options.nodes
     # A move of one (rad) of each parameter: of a length, its axis.
     scale = np.where([p.unit == "rad" for p in parameters], 1.0, model.upper - model.lower)
-    home = np.array(
-        [
-            options.home.get(p.name, value)
-            for p, value in zip(parameters, model.recipe.home_params, strict=True)
-        ]
-    )
+    at_home = dict(zip((p.name for p in parameters), model.recipe.home_params, strict=True))
+    home = np.array([*(at_home | dict(options.home)).values()])
     limit = math.tan(options.slope)
     if model.faces == 1:
         limit = min(limit, model.chart_limit)
@@ -161,7 +159,7 @@ def design(model: Model, options: PolicyOptions) -> Design:
 
     def scored(params: Floats, places: Floats) -> Floats:
         uv = (2.0 * places - 1.0) * limit
-        down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
+        down = np.column_stack([uv, -np.ones(len(uv))])
         return scores(*read(model, params, down, options.convention), move2(params))
 
     tip, sdg = measured(model, postures, slopes, options.convention)
@@ -180,10 +178,8 @@ def design(model: Model, options: PolicyOptions) -> Design:
         swerve=options.swerve,
         poses=options.poses,
     )
-    best = smooth(postures, score, home, scale, 0.0)
-    return Design(
-        policy, _loss(model, policy, postures, options, scale), _step(best / scale), UNSEEN
-    )
+    best_step = _step(smooth(postures, score, home, scale, 0.0) / scale)
+    return Design(policy, _loss(model, policy, postures, options.convention, scale, best_step))
 
 
 def _joints(model: Model, options: PolicyOptions, low: Floats, step: Floats) -> tuple[Joint, ...]:
@@ -206,19 +202,23 @@ def _step(values: Floats) -> float:
 
 
 def _loss(
-    model: Model, policy: Policy, postures: Floats, options: PolicyOptions, scale: Floats
+    model: Model,
+    policy: Policy,
+    postures: Floats,
+    convention: str,
+    scale: Floats,
+    best_step: float,
 ) -> Loss:
     """Return what a table loses against the best of some postures on slopes it has not seen."""
     uv = np.random.default_rng(SEED).uniform(-policy.limit, policy.limit, (UNSEEN, 2))
-    slopes = np.concatenate([uv, -np.ones((UNSEEN, 1))], axis=1)
-    slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
-    best = measured(model, postures, slopes, options.convention)[0].max(axis=1)
+    slopes = np.column_stack([uv, -np.ones(UNSEEN)])
+    best = measured(model, postures, slopes, convention)[0].max(axis=1)
     values = policy.values()
     nodes = len(values)
     # As smap_target has them.
-    at = (slopes[:, :2] / -slopes[:, 2:] + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
+    at = (uv + policy.limit) * (nodes - 1) / (2.0 * policy.limit)
     cell = np.clip(at.astype(np.int64), 0, nodes - 2)
-    tip, _ = read(model, between(values, cell, at - cell), slopes, options.convention)
+    tip, _ = read(model, between(values, cell, at - cell), slopes, convention)
     lost = np.degrees(np.maximum(best - np.maximum(tip, 0.0), 0.0))
     stands = best >= 0.0
     return Loss(
@@ -230,6 +230,8 @@ def _loss(
         least_tip=float(np.degrees(tip[stands].min(initial=np.pi))),
         tips=float((tip[stands] < 0.0).mean()) if stands.any() else 0.0,
         step=_step(values / scale),
+        slopes=UNSEEN,
+        best_step=best_step,
     )
 
 
@@ -237,21 +239,21 @@ def _refuse(model: Model, options: PolicyOptions) -> None:
     """Refuse what means nothing; the command line knows names and ranges."""
     source, names = model.recipe.source, [p.name for p in model.recipe.parameters]
     if not names:
-        raise InputError(f"{source}: the robot has no joint to control (got no parameter).")
-    if model.recipe.axles:
-        raise InputError(
-            f"{source}: no bound of ways is known of a robot with axles that swing (got "
-            f"{model.recipe.axles[0].name}); read its export at each posture instead."
-        )
+        way_out = "give it a parameter"
+        reject(source, "the robot has no joint to control", "no parameter", way_out, InputError)
+    if model.recipe.axles and not stands_alike(model):
+        what = "no bound of ways is known where an axle that swings carries in some postures only"
+        way_out = "read its export at each posture instead"
+        reject(source, what, model.recipe.axles[0].name, way_out, InputError)
     if model.is_tripod and model.k > MOST_JOINTS:
-        raise InputError(
-            f"{source}: of robots on three points control knows {MOST_JOINTS} joints (got "
-            f"{model.k}); let several joints share a parameter."
-        )
+        what = f"of robots on three points control knows {MOST_JOINTS} joints"
+        reject(source, what, model.k, "let several joints share a parameter", InputError)
     for what in ("home", "rate", "delta"):
         for name, value in getattr(options, what).items():
             low, high = model.lower[names.index(name)], model.upper[names.index(name)]
             if what == "home" and not low <= value <= high:
-                raise InputError(f"{source}: --home: {name} is off its axis (got {value:g}).")
+                way_out = f"choose from {low:g} to {high:g}"
+                reject(f"{source}: --home", f"{name} is off its axis", value, way_out, InputError)
             if what != "home" and not 0.0 < value < math.inf:
-                raise InputError(f"{source}: --{what}: {name} is not above 0 (got {value:g}).")
+                way_out = "leave it out"
+                reject(f"{source}: --{what}", f"{name} is not above 0", value, way_out, InputError)

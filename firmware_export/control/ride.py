@@ -9,8 +9,7 @@ import numpy as np
 from firmware_export.control.steering import Steering
 from lutgen import bounds
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
-from lutgen.errors import InputError
-from lutgen.recipe import Recipe
+from lutgen.errors import InputError, reject
 from lutgen.search import Path, read_rows
 from lutgen.vector import Floats
 
@@ -43,10 +42,9 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     if speed is not None:
         length = float(path.distance[-1])
         if speed * cycle > 0.5 * length:
-            raise InputError(
-                f"--speed: {length:g} of path take at least two cycles of {cycle:g} s "
-                f"(got {speed:g}); go slower, or take a shorter --cycle."
-            )
+            what = f"{length:g} of path take at least two cycles of {cycle:g} s"
+            way_out = "go slower, or take a shorter --cycle"
+            reject("--speed", what, f"{speed:g}", way_out, InputError)
         at = _times(length / (speed * cycle)) * (speed * cycle)
         path = Path(
             _between(at, path.distance, path.position),
@@ -56,51 +54,37 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     return Ride(path, path.gravity, np.full(len(path.gravity), STANDARD_GRAVITY))
 
 
-def read_log(
-    file: str | os.PathLike[str], recipe: Recipe
-) -> tuple[Floats, Floats, Floats | None, Floats]:
-    """Read what a real robot has recorded.
+def ride_logged(file: str | os.PathLike[str], steering: Steering) -> Ride:
+    """Return the ride that a real robot has recorded.
 
     The first line of the CSV names the columns, in any order: time (s, ascending), ax, ay, az
     (m/s^2, body frame, at rest up), if there is a gyroscope gx, gy, gz (rad/s), and each parameter
-    of the recipe by its name, in its unit there.  Returns time (r,), up (r, 3), rate (r, 3) or
-    None, and the postures (r, k), rad or length.
+    of the recipe by its name, in its unit there.  The ground's slope follows from accelerometer and
+    joints as `smap_ground` has it.
     """
-    source, joints = os.fspath(file), [p.name for p in recipe.parameters]
+    source, parameters = os.fspath(file), steering.recipe.parameters
 
     def columns(names: list[str]) -> tuple[list[str], list[str]]:
         gyroscope = RATE if any(name in names for name in RATE) else ()
-        wanted = ["time", *UP, *gyroscope, *joints]
+        wanted = ["time", *UP, *gyroscope, *(p.name for p in parameters)]
         return wanted, wanted
 
     rows, lines = read_rows(file, columns, "a log needs at least 2 rows")
     time, up = rows["time"], np.stack([rows[name] for name in UP], axis=1)
     late = np.diff(time) <= 0.0
     if late.any():
-        at = int(late.argmax()) + 1
-        raise InputError(
-            f"{source}: line {lines[at]} is not after the one before it (got time {time[at]:g} "
-            f"after {time[at - 1]:g}); sort the log by time"
-        )
+        row = int(late.argmax()) + 1
+        what = f"line {lines[row]} is not after the one before it"
+        got = f"time {time[row]:g} after {time[row - 1]:g}"
+        reject(source, what, got, "sort the log by time", InputError)
     nothing = np.abs(up).max(axis=1) < 1e-6
     if nothing.any():
-        raise InputError(
-            f"{source}: line {lines[int(nothing.argmax())]}: the accelerometer reads nothing (got "
-            "0, 0, 0); leave the row out"
-        )
-    rate = np.stack([rows[name] for name in RATE], axis=1) if RATE[0] in rows else None
-    driven = [p.stored(rows[p.name]) for p in recipe.parameters]
-    return time, up, rate, np.stack(driven, axis=1)
-
-
-def ride_logged(file: str | os.PathLike[str], steering: Steering) -> Ride:
-    """Return the ride that a robot has recorded.
-
-    The ground's slope follows from accelerometer and joints as `smap_ground` has it.
-    """
-    time, up, rate, driven = read_log(file, steering.recipe)
+        where = f"{source}: line {lines[int(nothing.argmax())]}"
+        what = "the accelerometer reads nothing"
+        reject(where, what, "0, 0, 0", "leave the row out", InputError)
     count = (time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)
     at: Floats = time[0] + _times(count) * steering.cycle
+    driven = np.stack([p.stored(rows[p.name]) for p in parameters], axis=1)
     ups, joints = _between(at, time, up), _between(at, time, driven)
     size = np.linalg.norm(ups, axis=1)
     felt = -ups / np.maximum(size, 1e-12)[:, None]
@@ -108,7 +92,9 @@ def ride_logged(file: str | os.PathLike[str], steering: Steering) -> Ride:
     slope = unit_directions(np.where(np.any(slope, axis=1)[:, None], slope, felt))
     nowhere = np.zeros(len(at))
     path = Path(np.stack([at - at[0], nowhere, nowhere], axis=1), nowhere, slope)
-    turning = None if rate is None else _between(at, time, rate)
+    turning = None
+    if RATE[0] in rows:
+        turning = _between(at, time, np.stack([rows[name] for name in RATE], axis=1))
     return Ride(path, slope, size, joints, felt, turning)
 
 

@@ -20,7 +20,7 @@ from firmware_export.exporter import ExportOptions, certified
 from firmware_export.host import Controller
 from firmware_export.model import Model
 from firmware_export.protocol import Blob, Export, describe
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.mapping import StabilityMap
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
@@ -87,25 +87,19 @@ def steering_in(directory: str | os.PathLike[str]) -> Steering:
     folder = ExportFolder(directory)
     stored: Any = folder.report.get("policy")
     if stored is None:
-        raise InputError(
-            f"{directory}: is an export without a policy (got no key policy in its report); write "
-            "one that has it with `lutgen policy`."
-        )
+        what, got = "is an export without a policy", "no key policy in its report"
+        reject(directory, what, got, "write one that has it with `lutgen policy`", InputError)
     recipe = folder.recipe()
     if recipe.parameters and recipe.python is not None and recipe.function is None:
-        raise InputError(
-            f"{directory}: the robot is given by code, which no folder runs (got "
-            f"{recipe.python}); give its recipe with --allow-python."
-        )
+        what, way_out = "the robot is given by code", "give its recipe with --allow-python"
+        reject(directory, f"{what}, which no folder runs", recipe.python, way_out, InputError)
     try:
         packed = base64.b64decode(stored["blob"], validate=True)
         cycle, latency = float(stored["cycle_s"]), float(stored["latency_s"])
         rates = _rates(packed, len(recipe.parameters)) / cycle
     except (KeyError, TypeError, ValueError, ZeroDivisionError, binascii.Error) as error:
-        raise InputError(
-            f"{directory}: the policy of its report is damaged (got {type(error).__name__}: "
-            f"{error}); write it again with `lutgen policy`."
-        ) from error
+        what, got = "the policy of its report is damaged", f"{type(error).__name__}: {error}"
+        reject(directory, what, got, "write it again with `lutgen policy`", InputError)
     return Steering(recipe, folder.blob, packed, cycle, latency, rates, folder.report["codec"])
 
 

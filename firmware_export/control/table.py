@@ -75,46 +75,34 @@ def polished(
     def lost(table: Floats) -> Floats:
         return np.asarray(np.maximum(wanted - score(between(table, cell, part), places), 0.0))
 
+    def moved(values: Floats, now: Floats, step: Floats) -> tuple[Floats, Floats]:
+        # Every cell has one corner of each of four kinds, so nodes of a kind move at once.
+        for kind in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            some = np.zeros((n, n), bool)
+            some[kind[0] :: 2, kind[1] :: 2] = True
+            trial = np.where(some[:, :, None], np.clip(values + step, *ends), values)
+            then = lost(trial)
+            corner = tuple((cell + (cell + kind) % 2).T)
+            gained = np.zeros((n, n))
+            np.add.at(gained, corner, now - then)
+            taken = some & (gained > 1e-9)
+            values = np.where(taken[:, :, None], trial, values)
+            now = np.where(taken[corner], then, now)
+        return values, now
+
     def by(moves: Sequence[float], values: Floats) -> tuple[float, Floats]:
         now = lost(values)
         for move in moves:
             for _ in range(TRIES):
                 before = float(now.sum())
                 for step in move * np.concatenate([-np.diag(scale), np.diag(scale)]):
-                    values, now = _moved(values, now, step, ends, cell, lost)
+                    values, now = moved(values, now, step)
                 if now.sum() > before - 1e-3 * (abs(before) + 1e-9):
                     break
         return float(now.sum()), values
 
     _, values = min((by(COARSE, table) for table in tables), key=lambda found: found[0])
     return by(FINE, values)[1]
-
-
-def _moved(
-    values: Floats,
-    now: Floats,
-    step: Floats,
-    ends: tuple[Floats, Floats],
-    cell: NDArray[np.int64],
-    lost: Callable[[Floats], Floats],
-) -> tuple[Floats, Floats]:
-    """Return a table with each node moved by a step that has slopes lose less, and their losses.
-
-    Every cell has one corner of each of four kinds, so nodes of a kind move at once.
-    """
-    n = len(values)
-    for kind in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        some = np.zeros((n, n), bool)
-        some[kind[0] :: 2, kind[1] :: 2] = True
-        trial = np.where(some[:, :, None], np.clip(values + step, *ends), values)
-        then = lost(trial)
-        corner = cell + (cell + kind) % 2
-        gained = np.zeros((n, n))
-        np.add.at(gained, tuple(corner.T), now - then)
-        taken = some & (gained > 1e-9)
-        values = np.where(taken[:, :, None], trial, values)
-        now = np.where(taken[tuple(corner.T)], then, now)
-    return values, now
 
 
 def between(table: Floats, cell: NDArray[np.int64], part: Floats) -> Floats:

@@ -8,7 +8,7 @@ from firmware_export.contacts import drawn_tables
 from firmware_export.device import ExportFolder
 from firmware_export.model import Model
 from firmware_export.protocol import Blob, Export, describe
-from lutgen.errors import InputError
+from lutgen.errors import InputError, reject
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe
 
@@ -43,10 +43,9 @@ def answers_of_export(folder: ExportFolder) -> Answers:
     """Return the tables of an export; refuse one that the page cannot read."""
     report, recipe = folder.report, folder.recipe()
     if folder.integer:
-        raise InputError(
-            f"{recipe.source}: the export is read without floats, but the page uses floats (got "
-            "integer arithmetic); read it with `lutgen eval`, or explore its recipe."
-        )
+        what = "the export is read without floats, but the page uses floats"
+        way_out = "read it with `lutgen eval`, or explore its recipe"
+        reject(recipe.source, what, "integer arithmetic", way_out, InputError)
     about = f"export {report['name']}, {report['spec']}, {report['arithmetic']} arithmetic"
     if report.get("points"):
         about += f", certified on {report['points']:,} points: {report['false_safe']} falsely safe"
@@ -63,9 +62,8 @@ def _drawn(model: Model) -> Blob:
     else:
         reason = codec(QUICK).refusal(model, "float")
     if reason is not None:
-        raise InputError(
-            f"{recipe.source}: no page can compute this robot (got: {reason.rstrip('.')}); look at "
-            "it with `lutgen plot --kind robot` and `lutgen eval`."
-        )
+        what, got = "no page can compute this robot", reason.rstrip(".")
+        way_out = "look at it with `lutgen plot --kind robot` and `lutgen eval`"
+        reject(recipe.source, what, got, way_out, InputError)
     tables = drawn_tables(model)
     return describe(Export("drawn", recipe, model, QUICK, "float", (), tables))

@@ -297,6 +297,7 @@ SMAP_INLINE uint32_t smap_whole_root(uint32_t x)
       result >>= 1;
     }
   }
+  /*@ admit result <= 65535; */
   return result;
 }
 

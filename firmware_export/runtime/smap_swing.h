@@ -90,7 +90,7 @@ static void smap_cut(smap_swung_t *o, const float wall[3])
 static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3], const smap_axle_t *axle,
                           const float *extent, float level)
 {
-  const float depth = level - smap_dot(axle->rest, n);
+  const float depth = level - smap_dot(axle->rest, n), least = w->map->least_height / axle->share;
   float p[SMAP_MAX_CONTACTS][3], arm[SMAP_MAX_CONTACTS][3], lever[3], side[3], wall[3], own[3];
   uint8_t id[SMAP_MAX_CONTACTS], count = 0, last, k, l;
   for (k = 0; k <= SMAP_CONTACTS(w); k++) { /* the pivot comes last */
@@ -117,9 +117,12 @@ static void smap_cut_rest(const smap_work_t *w, smap_swung_t *o, const float n[3
   for (k = 0; k < count; k++) {
     const uint8_t i = id[k], j = id[k + 1 < count ? k + 1 : 0];
     smap_cross(arm[j], arm[i], wall);
+    smap_minus(arm[i], arm[j], side);
+    if (smap_dot(wall, wall) <= least * least * smap_dot(side, side)) {
+      o->count = 0; /* the line is too near the com: see _lowest in contacts/many.py */
+    }
     smap_cut(o, wall);
     if (axle->mass > 0.0f && (i == last || j == last)) { /* its weight turns the rest but about the line */
-      smap_minus(arm[i], arm[j], side);
       smap_plus(side, -smap_dot(side, axle->line), axle->line, side);
       smap_cross(side, lever, own);
       for (l = 0; l < 3; l++) {
@@ -159,7 +162,9 @@ static void smap_cut_axle(smap_swung_t *o, const float n[3], float size, const s
 SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float height, const float *extent)
 {
   const smap_limits_t *const m = w->map;
-  const float level = height - m->tolerance + SMAP_UNSURE * m->size;
+  const float unsure = SMAP_UNSURE * m->size, least = m->off > 0.0f ? 2.0f * unsure : 0.0f;
+  /* What is on the plane in the middle of a box is on it in all of it: see stands_alike in control/limits.py. */
+  const float level = height - (m->tolerance > least ? m->tolerance : least) + unsure;
   float p[SMAP_SWUNG][3], wall[SMAP_SWUNG][3];
   uint8_t id[SMAP_SWUNG], own = SMAP_NONE, count = 0, k;
   smap_axle_t axle;
@@ -167,7 +172,7 @@ SMAP_APART static int smap_add_swung(smap_work_t *w, const float n[3], float hei
   int one = 1;
   for (k = 0; k < 2 * m->first[0]; k = (uint8_t)(k + 2)) {
     const float i = extent[k], j = extent[k + 1];
-    if ((i > j ? i : j) >= level - 2.0f * SMAP_UNSURE * m->size) {
+    if ((i > j ? i : j) >= level - 2.0f * (unsure + m->off * m->size)) {
       one = own == SMAP_NONE && (i < j ? i : j) >= level; /* not two axles, nor one side alone */
       own = k;
     }

@@ -183,10 +183,9 @@ SMAP_INLINE int8_t smap_three_at_i(const smap_pose_t *pose, const smap_three_i_t
   int32_t g[3];
   uint32_t length;
   int8_t status = pose->forms & SMAP_INTEGER ? pose->status : (int8_t)SMAP_INVALID;
-  if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny_i(out, status);
+  if (status == SMAP_OK) {
+    status = smap_direction_i(pose->map, gravity, g, &length);
   }
-  status = smap_direction_i(pose->map, gravity, g, &length);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny_i(out, status);
   }

@@ -24,10 +24,9 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
   smap_three_t three;
   float d[3];
   int8_t status = smap_three_of(map, params, &three);
-  if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, status);
+  if (status == SMAP_OK) {
+    status = smap_direction(map, gravity, d);
   }
-  status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny(out, status);
   }
@@ -40,10 +39,9 @@ static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_re
   const smap_t *const map = three->head.map;
   float d[3];
   int8_t status = three->head.forms & SMAP_FLOAT ? three->head.status : (int8_t)SMAP_INVALID;
-  if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_deny(out, status);
+  if (status == SMAP_OK) {
+    status = smap_direction(map, gravity, d);
   }
-  status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny(out, status);
   }

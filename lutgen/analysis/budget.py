@@ -15,6 +15,9 @@ corner lands askew, and goes on sideways.
 On a slope the com also sinks while contacts are in the air.  Energy that would lift it by h throws
 it up at u and aside at w, u^2 + w^2 = 2 g h; against a tip angle a it is up for 2 u / (g sin a),
 and goes w times that, at most 2 h / sin a.  So h grows by 2 h sin(slope) / sin a.
+
+A com that is off by up to rho makes the rise f(x) = |x| - g . x to a balance on x less by at most
+rho |grad f| = 2 rho sin(angle(x, g) / 2), as f is convex.  That is rho sqrt(2 f / |x|).
 """
 
 import math
@@ -26,10 +29,11 @@ from numpy.typing import ArrayLike
 
 from lutgen.analysis.posture import Facet, Posture
 from lutgen.analysis.tilt import gravity_transform
-from lutgen.channels import evaluate, evaluate_each
+from lutgen.channels import evaluate, evaluate_each, segment_energy
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.recipe import Recipe
-from lutgen.vector import Floats, axis_rotation
+from lutgen.support import EDGES, ends_of
+from lutgen.vector import Floats, axis_rotation, read3
 
 # No robot accelerates more, m/s^2; where it does not tip before that, nothing is said.
 MOST = 50.0
@@ -94,7 +98,9 @@ def stop_speeds(
 
     The robot moves along the ground under gravity (3,) in headings (h,), rad, from the nose to the
     left.  With a `bump` (m) one of its contacts has come up by as much, whichever is worst.  0
-    where it tips anyway, and NaN under forces, with an uncertain com, and for lengths without unit.
+    where it tips anyway, and NaN under forces and for lengths without unit: a force that turns with
+    the robot has no potential, so that no rise of the com stops it.  With an uncertain com a roll
+    over a gap counts as tipping.
 
     Examples
     --------
@@ -107,7 +113,8 @@ def stop_speeds(
     recipe, down = posture.recipe, unit_directions(gravity_dir)
     heading = np.asarray(headings, np.float64)
     metre = METRES.get(recipe.length_unit)
-    if recipe.loaded or metre is None:
+    rho = recipe.com_uncertainty
+    if recipe.has_wrench or metre is None:
         return StopSpeeds(np.full(heading.shape, math.nan), math.nan)
     found = evaluate(recipe, posture.row, down, ("tip_angle", "energy_margin"))
     facet, energy = posture.under(down), float(found["energy_margin"][0, 0])
@@ -116,15 +123,31 @@ def stop_speeds(
     level = np.stack([np.cos(heading), np.sin(heading), np.zeros(heading.shape)], axis=1)
     ahead = level @ gravity_transform(-facet.normal).T
     speeds, least = np.full(heading.shape, math.inf), math.inf
-    tip_angle = float(found["tip_angle"][0, 0])
+    energy = energy if rho == 0.0 else _uncertain_rise(posture, down)
+    tip_angle, aside = float(found["tip_angle"][0, 0]), math.asin(min(rho / facet.height, 1.0))
     slope = float(np.linalg.norm(np.cross(facet.normal, down)))  # its sine
     for lean, turned, rise in leans(facet, down, bump / metre):
         back = math.sin(min(max(tip_angle - turned, 0.0), math.pi / 2.0))
+        rise += rho * turned
         left = (energy - rise) * back / (back + 2.0 * slope) if rise < energy else 0.0
         whole = math.sqrt(2.0 * STANDARD_GRAVITY * metre * left)
-        speeds = np.minimum(speeds, whole / np.sqrt(_kept(facet.points, ahead @ lean)))
+        kept = np.arcsin(np.sqrt(_kept(facet.points, ahead @ lean))) + aside
+        speeds = np.minimum(speeds, whole / np.sin(np.minimum(kept, math.pi / 2.0)))
         least = min(least, whole)
     return StopSpeeds(speeds, least)
+
+
+def _uncertain_rise(posture: Posture, down: Floats) -> float:
+    """Return how far the com rises at least before the robot leaves its rests, or rolls to one."""
+    region, rho = posture.region, posture.recipe.com_uncertainty
+    rolls = (e for e in range(region.counts[EDGES]) if np.less(*region.edge[e]["held"]))
+    ends = [(read3(arc["start"]), read3(arc["stop"])) for arc in posture.axes]
+    ends += [ends_of(region, e) for e in rolls]
+    least = min((segment_energy(*pair, read3(down)) for pair in ends), default=math.inf)
+    pairs = np.array(ends).reshape(-1, 2, 3)
+    moment = np.linalg.norm(np.cross(pairs[:, 0], pairs[:, 1]), axis=1)
+    away = (moment / np.linalg.norm(pairs[:, 1] - pairs[:, 0], axis=1)).min(initial=math.inf)
+    return least - rho * math.sqrt(2.0 * least / away) if least < math.inf else least
 
 
 def _kept(corners: Floats, ahead: Floats) -> Floats:
@@ -137,7 +160,7 @@ def _kept(corners: Floats, ahead: Floats) -> Floats:
         # P is where v, projected onto the plane of com and edge, meets the edge.
         inside = (ahead @ np.cross(wall, start) >= 0.0) & (ahead @ np.cross(stop, wall) >= 0.0)
         kept = np.where(inside, np.minimum(kept, (ahead @ wall) ** 2), kept)
-    return np.asarray(np.maximum(kept, STOPPED))
+    return np.asarray(np.clip(kept, STOPPED, 1.0))
 
 
 def leans(facet: Facet, down: Floats, bump: float) -> Iterator[tuple[Floats, float, float]]:

@@ -155,7 +155,7 @@ def policy(source: str, options: PolicyOptions) -> None:
     report, found = onboard.policy(
         opened, options.output, policy_options, lambda text: log.info("%s", text), name=options.name
     )
-    loss = {**found.loss._asdict(), "slopes": found.slopes, "best_step": found.plain_step}
+    loss = found.loss._asdict()
     show({"directory": options.output, **report, "loss": loss}, policy_lines)
 
 

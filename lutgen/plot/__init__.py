@@ -5,7 +5,7 @@ In reading order: `labels`, `style`, `view`, `key`, `painter`, `solids`, `scene`
 """
 
 from lutgen.plot.contour import draw_steps
-from lutgen.plot.figure import KINDS, draw
+from lutgen.plot.figure import KINDS, Options, draw
 from lutgen.plot.path import animate, check_animation, draw_path
 from lutgen.plot.sphere import draw_hero
 from lutgen.plot.style import on_sheet, save

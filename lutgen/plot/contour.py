@@ -40,12 +40,12 @@ ROOM = 0.5
 def draw_contour(view: View) -> Figure:
     """Return the figure."""
     plane = Plane(view)
-    best, jumps = plane.best(), plane.lines()
+    best, jumps, shown = plane.best(), plane.lines(), np.where(plane.tips, np.nan, plane.big)
     figure, axes = view.page(6.25, (0.95, 0.72, 5.35, 5.35), *plane_words(view, best))
-    scale = Scale(view, np.where(plane.tips, np.nan, plane.big))
+    scale = Scale(view, shown)
     extent = (plane.fx[0], plane.fx[-1], plane.fy[0], plane.fy[-1])
     axes.set_facecolor(colours().wash)
-    scale.picture(axes, np.where(plane.tips, np.nan, plane.big), extent)
+    scale.picture(axes, shown, extent)
     hatch_where(axes, plane.fx, plane.fy, plane.tips)
     for width, colour in ((3.6, "white"), (2.0, BLACK)):
         lines = LineCollection(list(jumps), colors=colour, linewidths=width, zorder=3)
@@ -96,10 +96,9 @@ def _show_best(figure: Figure, view: View, best: Best) -> None:
     if is_sealed(view.recipe):
         return
     spots = [np.clip(view.parameter(i).stored(best[i]), *view.ends(i)) for i in (0, 1)]
-    posture = view.postures(*spots)
-    down = view.in_bodies(posture, view.gravity_dir[None])[0, 0]
+    (posture,) = view.postures(*spots)
     picture = bare(place(figure, (6.45, 0.98, 1.5, 1.3)))
-    draw_scene(picture, view.recipe, posture[0], down, line=0.45)
+    draw_scene(picture, view.recipe, posture, view.down(posture), line=0.45)
     picture.set_anchor("S")
 
 
@@ -108,7 +107,7 @@ def _has_room(plane: Plane, flat: Best, best: Best) -> bool:
     low = np.array([plane.fx[0], plane.fy[0]])
     span = np.array([plane.fx[-1], plane.fy[-1]]) - low
     spot, star = (np.array(flat[:2]) - low) / span, (np.array(best[:2]) - low) / span
-    return bool(0.25 < spot[0] < 0.75 and (np.abs(spot - star) > [0.3, 0.06]).any())
+    return bool(0.17 < spot[0] < 0.83 and (np.abs(spot - star) > [0.3, 0.06]).any())
 
 
 def _name_levels(axes: Axes, plane: Plane, scale: Scale, avoid: Floats) -> None:

@@ -1,7 +1,6 @@
 """Curve: at which value of one parameter a quantity is best."""
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from lutgen.plot import labels
 from lutgen.plot.key import STAR
+from lutgen.plot.plane import halved
 from lutgen.plot.style import colours, halo
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
@@ -63,11 +63,9 @@ def draw_curve(view: View) -> Figure:
         ha = "left" if share < 0.15 else "right" if share > 0.85 else "center"
         # Above a minimum, and below a maximum between the ends, where the line is not.
         up = QUANTITIES[view.channel].sign * 34 if ha == "center" else 19
-        look: dict[str, Any] = {"textcoords": "offset points", "path_effects": halo(), "zorder": 9}
-        words = f"{value} at {found}"
-        axes.annotate(
-            words, (shown[best], y[best]), ((ha == "left") * 8, up), ha=ha, va="center", **look
-        )
+        spot, beside = (shown[best], y[best]), ((ha == "left") * 8, up)
+        text = axes.annotate(f"{value} at {found}", spot, beside, textcoords="offset points")
+        text.set(ha=ha, va="center", path_effects=halo(), zorder=9)
     return figure
 
 
@@ -90,16 +88,13 @@ def _samples(view: View) -> tuple[Floats, dict[str, Floats], NDArray[np.intp]]:
     known = one[np.isfinite(one)]
     least = max(JUMP * float(np.ptp(known)), 1e-12) if known.size else math.inf
     steep = np.flatnonzero(np.abs(np.diff(one)) > least)
-    a, b, va, vb = values[steep], values[steep + 1], one[steep], one[steep + 1]
-    for _ in range(HALVINGS if len(steep) else 0):
-        middle = 0.5 * (a + b)
-        vm = exact(middle)[view.channel]
-        first = np.abs(vm - va) > np.abs(vb - vm)
-        b, vb = np.where(first, middle, b), np.where(first, vm, vb)
-        a, va = np.where(first, a, middle), np.where(first, va, vm)
-    jumps = np.abs(vb - va) > least
-    values = np.unique(np.concatenate([values, a[jumps], b[jumps]]))
-    return values, exact(values), np.searchsorted(values, b[jumps])
+    pairs = np.array([steep, steep + 1])
+    ends, steps = values[pairs], one[pairs]
+    for _ in range(HALVINGS):
+        ends, steps = halved(lambda middle: exact(middle)[view.channel], ends, steps)
+    ends = ends[:, np.abs(steps[1] - steps[0]) > least]
+    values = np.unique(np.concatenate([values, *ends]))
+    return values, exact(values), np.searchsorted(values, ends[1])
 
 
 def _nodes(axes: Axes, view: View) -> None:
@@ -119,10 +114,9 @@ def _shade(axes: Axes, shown: Floats, tips: NDArray[np.bool_]) -> None:
     edges = np.flatnonzero(np.diff(np.pad(tips.astype(int), 1))).reshape(-1, 2)
     middle = np.concatenate([shown[:1], (shown[1:] + shown[:-1]) / 2.0, shown[-1:]])
     for low, high in middle[edges]:
-        look: dict[str, Any] = {"facecolor": colours().wash, "edgecolor": colours().hatch}
-        axes.axvspan(low, high, linewidth=0.0, zorder=0.5, hatch="//", **look)
+        span = axes.axvspan(low, high, linewidth=0.0, zorder=0.5, hatch="//")
+        span.set(facecolor=colours().wash, edgecolor=colours().hatch)
         if high - low > NARROW * (shown[-1] - shown[0]):
-            words: dict[str, Any] = {"weight": "bold", "ha": "center", "va": "center"}
-            words["path_effects"] = halo(4.0, colours().wash)
-            across = axes.get_xaxis_transform()
-            axes.text((low + high) / 2.0, 0.5, "tips over", transform=across, **words)
+            text = axes.text((low + high) / 2.0, 0.5, "tips over", weight="bold")
+            text.set(transform=axes.get_xaxis_transform(), ha="center", va="center")
+            text.set_path_effects(halo(4.0, colours().wash))

@@ -5,7 +5,8 @@ Every wrong option is refused in one sentence that names the way out.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, NoReturn
+from dataclasses import dataclass
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.channels import CONVENTIONS
 from lutgen.chart import unit_directions
-from lutgen.errors import InputError, suggestion
+from lutgen.errors import InputError, reject, suggestion
 from lutgen.mapping import StabilityMap
 from lutgen.plot.contour import draw_contour
 from lutgen.plot.curve import draw_curve
@@ -25,7 +26,8 @@ from lutgen.plot.surface import draw_surface
 from lutgen.plot.tilt import draw_polar
 from lutgen.plot.view import View, is_sealed, limits
 from lutgen.quantities import RANKED
-from lutgen.recipe import Recipe
+from lutgen.recipe import Recipe, within_limits
+from lutgen.vector import Floats
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -51,31 +53,12 @@ KINDS = {
     "polar": Kind(draw_polar, of_robot=True, turns=True),
     "robot": Kind(draw_robot, of_robot=True),
 }
-# A limit given in degrees comes back from radians within a few 1e-16 of itself.
-SLACK = 1e-9
 CHOOSE = "choose from"
 
 
-@in_house_style
-def draw(
-    kind: str,
-    source: StabilityMap | Recipe,
-    *,
-    params: Mapping[str, float] | None = None,
-    gravity: ArrayLike = DOWN,
-    channel: str = "tip_angle",
-    axes: Sequence[str] | None = None,
-    convention: str = "body",
-    scale: tuple[float, float] | None = None,
-    ax: Axes | None = None,
-) -> Figure:
-    """Draw a figure whose title is its answer.
-
-    Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
-    posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt before it
-    tips over in each heading; `robot`: what it stands on, and over which edge it goes first.  A
-    figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are evaluated
-    exactly; only of a robot of code that is not run are they the map's.  `save` writes the figure.
+@dataclass(frozen=True)
+class Options:
+    """What a figure shows.
 
     Parameters
     ----------
@@ -98,50 +81,80 @@ def draw(
     ax : matplotlib.axes.Axes, optional
         Draws into these axes, without what stands beside them, and leaves their figure as it is.
     """
+
+    params: Mapping[str, float] | None = None
+    gravity: ArrayLike = DOWN
+    channel: str = "tip_angle"
+    axes: Sequence[str] | None = None
+    convention: str = "body"
+    scale: tuple[float, float] | None = None
+    ax: Axes | None = None
+
+
+@in_house_style
+def draw(kind: str, source: StabilityMap | Recipe, **options: Any) -> Figure:
+    """Draw a figure whose title is its answer; `options` are those of `Options`.
+
+    Kinds are `curve`: `channel` over one parameter; `contour`, `surface`: over two, with the best
+    posture; `sphere`: `channel` under every gravity at one posture; `polar`: largest tilt before it
+    tips over in each heading; `robot`: what it stands on, and over which edge it goes first.  A
+    figure of a map covers the map's ranges, and `curve` marks its nodes.  Values are evaluated
+    exactly; only of a robot of code that is not run are they the map's.  `save` writes the figure.
+    """
+    chosen = Options(**options)
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, suggestion(kind, KINDS, CHOOSE))
-    one = KINDS[kind]
+    one, channel, scale = KINDS[kind], chosen.channel, chosen.scale
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in RANKED:
         _refuse("channel cannot be drawn", channel, suggestion(channel, RANKED, CHOOSE))
     if stability_map is not None and one.varies and channel not in stability_map.channels:
         stored = [name for name in stability_map.channels if name in RANKED]
-        _refuse(
-            "channel is not in the map",
-            channel,
-            f"{suggestion(channel, stored, CHOOSE)} or a recipe",
-        )
+        way_out = f"{suggestion(channel, stored, CHOOSE)} or a recipe"
+        _refuse("channel is not in the map", channel, way_out)
     if scale is not None and not (all(map(math.isfinite, scale)) and scale[0] < scale[1]):
         what = "a scale goes from a number to a larger one"
         _refuse(what, ", ".join(f"{x:g}" for x in scale), "give two such as 0, 60")
     if one.of_robot and is_sealed(recipe):
         way_out = "draw it from the recipe, with its code allowed"
         _refuse(f"a {kind} figure needs the robot itself", f"a map of `{recipe.python}`", way_out)
-    down = unit_directions(np.asarray(gravity, dtype=np.float64))
+    down = unit_directions(np.asarray(chosen.gravity, dtype=np.float64))
     if down.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(gravity), "give x, y, z")
+        _refuse("gravity must be one direction", np.shape(chosen.gravity), "give x, y, z")
+    convention = chosen.convention
     if convention not in CONVENTIONS:
         _refuse("unknown convention", convention, suggestion(convention, CONVENTIONS, CHOOSE))
     if convention == "plane" and stability_map is not None:
         _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
     if convention == "plane" and one.turns:
         _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    fixed = params or {}
-    given = {name: _value(recipe, stability_map, name, v) for name, v in fixed.items()}
-    columns = _columns(kind, recipe, given, axes)
-    posture = []
-    for i, p in enumerate(recipe.parameters):
-        low, high = limits(recipe, stability_map, i)
-        home = recipe.home.get(p.name, math.nan)
-        # A map may cover less than the recipe's range.
-        posture.append(given.get(p.name, home if low <= home <= high else (low + high) / 2.0))
+    given = chosen.params or {}
+    posture = _posture(recipe, stability_map, given)
+    columns = _columns(kind, recipe, given, chosen.axes)
     on_chart = stability_map is None or bool(stability_map.chart.locate(down[None, :])[3][0])
     if one.varies == 2 and not on_chart:
         way_out = "choose a direction that the map covers, or draw from the recipe"
         _refuse("gravity is outside the map's chart", ", ".join(f"{x:g}" for x in down), way_out)
-    where = (recipe, stability_map, np.array(posture), down, channel, columns)
-    return one.paint(View(*where, convention, scale, ax))
+    where = (recipe, stability_map, posture, down, channel, columns)
+    return one.paint(View(*where, convention, scale, chosen.ax))
+
+
+def _posture(
+    recipe: Recipe, stability_map: StabilityMap | None, given: Mapping[str, float]
+) -> Floats:
+    """Return the posture (k,), rad or length: what is given, inside its range, `home` or middle."""
+    ends = [limits(recipe, stability_map, i) for i in range(len(recipe.parameters))]
+    low, high = np.array(ends).reshape(-1, 2).T
+    home = np.array([recipe.home.get(p.name, math.nan) for p in recipe.parameters])
+    # A map may cover less than the recipe's range.
+    posture = np.where((low <= home) & (home <= high), home, (low + high) / 2.0)
+    for name, value in given.items():
+        column = _column(recipe, name)
+        posture[column] = recipe.parameters[column].stored(value)
+    within_limits(recipe, [posture], ends)
+    # Degrees come back from rad a rounding beyond the range.
+    return np.clip(posture, low, high)
 
 
 def _columns(
@@ -152,11 +165,9 @@ def _columns(
     if axes is None:
         free = [name for name in names if name not in given]
         if len(free) < count:
-            _refuse(
-                f"a {kind} varies {count} parameter(s) of {recipe.name}",
-                f"{len(free)} that are free",
-                f"leave more of these unset: {', '.join(names) or 'none, it has no parameters'}",
-            )
+            what = f"a {kind} varies {count} parameter(s) of {recipe.name}"
+            every = ", ".join(names) or "none, it has no parameters"
+            _refuse(what, f"{len(free)} that are free", f"leave more of these unset: {every}")
         return tuple(names.index(name) for name in free[:count])
     if len(axes) != count or len(set(axes)) != count:
         _refuse(f"a {kind} needs {count} different axes", ", ".join(axes) or "none", "correct axes")
@@ -173,24 +184,6 @@ def _column(recipe: Recipe, name: str) -> int:
     return names.index(name)
 
 
-def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value: float) -> float:
-    """Return a given parameter value in rad or length, inside its range."""
-    column = _column(recipe, name)
-    parameter = recipe.parameters[column]
-    low, high = limits(recipe, stability_map, column)
-    inside = float(parameter.stored(value))
-    rounding = SLACK * (high - low)
-    if not low - rounding <= inside <= high + rounding:
-        shown = parameter.shown(np.array([low, high]))
-        unit = "" if parameter.display_unit == "1" else f" {parameter.display_unit}"
-        _refuse(
-            f"parameter `{name}` is outside its range",
-            f"{value:g}",
-            f"choose from {shown[0]:g} to {shown[1]:g}{unit}",
-        )
-    return min(max(inside, low), high)
-
-
 def _refuse(what: str, got: object, way_out: str) -> NoReturn:
     """Say what is wrong with an option, what it was, and the way out."""
-    raise InputError(f"plot: {what} (got {got}); {way_out}.")
+    reject("plot", what, got, way_out, InputError)

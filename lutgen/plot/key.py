@@ -73,11 +73,8 @@ class Scale:
         bar.minorticks_off()
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: self.text(value)))
         axes.tick_params(length=0, pad=4)
-        name = (
-            "tip-over angle"
-            if self.unit == "deg"
-            else channel_label(self.view.recipe, self.channel)
-        )
+        label = QUANTITIES[self.channel].label
+        name = label if self.unit == "deg" else channel_label(self.view.recipe, self.channel)
         axes.set_title(folded(name, 16), size=10, loc="left", pad=8, linespacing=1.2)
 
 

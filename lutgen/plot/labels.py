@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
@@ -20,8 +19,6 @@ from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-# Formulas are not broken.
-_FORMULA = re.compile(r"(?<!\\)\$.*?(?<!\\)\$")
 GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
     *("mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
@@ -34,30 +31,15 @@ NAMES = {"disc": "wheels", "point": "feet", "sphere": "balls"}
 
 
 def folded(text: str, longest: int) -> str:
-    r"""Return a text in lines of at most so many characters, where a formula counts as one.
-
-    Longer words are cut.
+    r"""Return a text in lines of at most so many characters; longer words are cut.
 
     Examples
     --------
     >>> folded("front left wheel", 11)
     'front left\nwheel'
     """
-    short, formulas = _FORMULA.sub("\0", text), iter(_FORMULA.findall(text))
-    lines = [textwrap.wrap(line, longest, break_on_hyphens=False) for line in short.split("\n")]
-    whole = "\n".join("\n".join(line) for line in lines)
-    return re.sub("\0", lambda _: next(formulas), whole)
-
-
-def fit(text: Text, width: float, lengths: Sequence[int]) -> None:
-    """Fold a text of a figure into lines of at most `width` inches, trying `lengths` of letters."""
-    words, figure = text.get_text(), text.get_figure(root=True)
-    canvas: Any = figure.canvas if figure is not None else None
-    for longest in lengths:
-        text.set_text(folded(words, longest))
-        box = text.get_window_extent(canvas.get_renderer())
-        if max(box.width, 0.0) <= width * canvas.figure.dpi:
-            return
+    lines = (textwrap.wrap(line, longest, break_on_hyphens=False) for line in text.split("\n"))
+    return "\n".join("\n".join(line) for line in lines)
 
 
 def plain(name: str) -> str:
@@ -107,7 +89,8 @@ def number(value: float) -> str:
     text = f"{value:.3g}"
     if "e-" in text:
         mantissa, exponent = f"{value:.1e}".split("e")
-        return rf"${mantissa} \times 10^{{{int(exponent)}}}$"
+        # Without spaces, so that lines do not break in it.
+        return rf"${mantissa}\times10^{{{int(exponent)}}}$"
     return (f"{value:.0f}" if "e" in text else text).replace("-", MINUS)
 
 

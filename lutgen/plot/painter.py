@@ -4,6 +4,7 @@ The order is exact for convex solids that are apart: one of two that overlap on 
 behind the plane of a face.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -176,3 +177,13 @@ def com_mark(axes: Axes, at: Floats, radius: float, z: float) -> None:
     axes.add_patch(rim)
     for start in (0, 180):
         axes.add_patch(Wedge(spot, radius, start, start + 90, facecolor=BLACK, zorder=z + 0.1))
+
+
+def arrow(axes: Axes, start: Floats, stop: Floats, colour: str, line: float) -> None:
+    """Draw an arrow on the paper; `line` scales its width and its head."""
+    part = 0.15 * start + 0.85 * stop
+    axes.plot(*np.transpose([start, part]), color=colours().paper, lw=4.2 * line, zorder=7.6)
+    head, look = math.sqrt(line), {"color": colour, "linewidth": 1.8 * line}
+    look["arrowstyle"] = f"-|>,head_width={0.28 * head:g},head_length={0.5 * head:g}"
+    arrow = {"shrinkA": 0, "shrinkB": 0, **look}
+    axes.annotate("", (stop[0], stop[1]), (start[0], start[1]), arrowprops=arrow, zorder=7.7)

@@ -3,8 +3,12 @@
 A step between two neighbours is a jump if it stays whole as the cell is halved again and again.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
-from scipy.ndimage import distance_transform_edt, maximum
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import binary_dilation, distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 from scipy.spatial import cKDTree
 
@@ -22,6 +26,8 @@ CLEAR, FLAT = 1.6, 0.05
 SHARE = 0.02
 # Postures as good as the best one but for this much are alike; the star stands well inside of them.
 ALIKE, INSIDE = 2.0, 0.7
+# Part of the picture: an even region reaches so far on all sides of its middle.
+WIDE = 0.12
 
 
 class Plane:
@@ -58,23 +64,18 @@ class Plane:
         """Return (3, ...) for each pair of neighbours: the place of a jump and its height."""
         with np.errstate(invalid="ignore"):
             step = np.abs(np.diff(self.values, axis=axis))
-        rows, columns = np.nonzero(step > BREAK * self.degree)
-        a = np.array([self.x[columns], self.y[rows]])
-        b = np.array([self.x[columns + axis], self.y[rows + (1 - axis)]])
-        va, vb = self.values[rows, columns], self.values[rows + (1 - axis), columns + axis]
+        at = np.argwhere(step > BREAK * self.degree).T
+        rows, columns = np.stack([at, at + np.array([[1 - axis], [axis]])], axis=1)
+        ends, values = np.stack([self.x[columns], self.y[rows]], axis=1), self.values[rows, columns]
         for _ in range(HALVINGS):
-            middle = 0.5 * (a + b)
-            vm = self.read(*middle)
-            first = np.abs(vm - va) > np.abs(vb - vm)
-            b, vb = np.where(first, middle, b), np.where(first, vm, vb)
-            a, va = np.where(first, a, middle), np.where(first, va, vm)
+            ends, values = halved(lambda middle: self.read(*middle), ends, values)
             # A step that is not a jump by now never is.
-            left = (np.abs(vb - va) > BREAK * self.degree) & self._stands(np.fmax(va, vb))
-            rows, columns, va, vb = rows[left], columns[left], va[left], vb[left]
-            a, b = a[:, left], b[:, left]
+            left = np.abs(values[1] - values[0]) > BREAK * self.degree
+            left &= self._stands(np.fmax(*values))
+            at, ends, values = at[:, left], ends[..., left], values[:, left]
         found = np.full((3, *step.shape), np.nan)
-        found[:2, rows, columns] = 0.5 * (a + b)
-        found[2, rows, columns] = np.abs(vb - va)
+        found[:2, *at] = ends.mean(axis=0)
+        found[2, *at] = np.abs(values[1] - values[0])
         return found
 
     def _stands(self, values: Floats) -> Bools:
@@ -100,16 +101,12 @@ class Plane:
         """Make the picture: between nodes linear, exact in cells that hold a jump or are steep."""
         up, across = (np.isfinite(jump[0]) for jump in self.jumps)
         cut = across[:-1] | across[1:] | up[:, :-1] | up[:, 1:]
-        ends = ((0, -1), (1, None))
-        corners = np.stack([self.values[a:b, c:d] for a, b in ends for c, d in ends])
+        corners = sliding_window_view(self.values, (2, 2))
         with np.errstate(invalid="ignore"):
-            steep = np.ptp(corners, axis=0) > DRAWN * self.degree
+            steep = np.ptp(corners, axis=(2, 3)) > DRAWN * self.degree
         stands = self._stands(corners)
-        steep |= stands.any(axis=0) & ~stands.all(axis=0)
-        jumps = cut.copy()
-        for axis in (0, 1):
-            for move in (-1, 1):
-                jumps |= np.roll(cut, move, axis)
+        steep |= stands.any(axis=(2, 3)) & ~stands.all(axis=(2, 3))
+        jumps = binary_dilation(cut)
         ny, nx = self.values.shape
         self.fx = np.linspace(self.x[0], self.x[-1], (nx - 1) * FINER + 1)
         self.fy = np.linspace(self.y[0], self.y[-1], (ny - 1) * FINER + 1)
@@ -123,14 +120,12 @@ class Plane:
     def broken(self) -> Floats:
         """Return the picture with NaN at jumps, so that contours end there."""
         result = self.big.copy()
-        for axis in (0, 1):
+        for big, cut, left in ((self.big, self.cut, result), (self.big.T, self.cut.T, result.T)):
             with np.errstate(invalid="ignore"):
-                step = np.abs(np.diff(self.big, axis=axis)) > BREAK * self.degree
-            one = (slice(None),) * axis + (slice(None, -1),)
-            two = (slice(None),) * axis + (slice(1, None),)
-            inside = step & self.cut[one] & self.cut[two]
-            result[one][inside] = np.nan
-            result[two][inside] = np.nan
+                step = np.abs(np.diff(big, axis=0)) > BREAK * self.degree
+            inside = step & cut[:-1] & cut[1:]
+            left[:-1][inside] = np.nan
+            left[1:][inside] = np.nan
         return result
 
     def clear(self, piece: Floats) -> list[Floats]:
@@ -150,19 +145,20 @@ class Plane:
         return [p for p in parts if np.linalg.norm(np.diff(p, axis=0) / cell, axis=1).sum() > long]
 
     def flat(self) -> tuple[float, float, float] | None:
-        """Return the largest region that stays within about a degree: its middle and value."""
+        """Return the widest region that stays within about a degree: its middle and value."""
         known = self.values[np.isfinite(self.values) & (self.values > 0.0)]
         if not known.size:
             return None
         counts, ends = np.histogram(known, bins=np.arange(0.0, known.max() + 0.5, 0.25))
         usual = float(ends[int(np.argmax(counts))]) + 0.125
         groups, _ = connected(np.abs(self.values - usual) < 0.6)
-        sizes = np.bincount(groups.ravel())[1:]
-        if not sizes.size or sizes.max() < 0.08 * self.values.size:
+        depth = distance_transform_edt(np.pad(groups > 0, 1))[1:-1, 1:-1]
+        if depth.max() < WIDE * min(depth.shape):  # of a ramp a narrow strip is as even
             return None
-        rows, columns = np.nonzero(groups == 1 + sizes.argmax())
-        lowest = float(self.values[rows, columns].min())
-        return float(np.median(self.x[columns])), float(np.median(self.y[rows])), lowest
+        inner = np.argwhere(depth > 0.95 * depth.max())
+        row, column = inner[np.linalg.norm(inner - inner.mean(axis=0), axis=1).argmin()]
+        lowest = float(self.values[groups == groups[row, column]].min())
+        return float(self.x[column]), float(self.y[row]), lowest
 
     def best(self) -> tuple[float, float, float] | None:
         """Return where the best posture is and its value: well inside of those that are alike."""
@@ -179,6 +175,15 @@ class Plane:
         nearest = int(np.argmin(np.where(inside, far, np.inf)))
         row, column = np.unravel_index(nearest, self.big.shape)
         return float(self.fx[column]), float(self.fy[row]), float(self.big[row, column])
+
+
+def halved(read: Callable[[Floats], Any], ends: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return the halves of steps, from `ends[0]` to `ends[1]`, in which `values` change more."""
+    middle = ends.mean(axis=0)
+    value = read(middle)
+    first = np.abs(value - values[0]) > np.abs(values[1] - value)
+    values = np.where(first, [values[0], value], [value, values[1]])
+    return np.where(first, [ends[0], middle], [middle, ends[1]]), values
 
 
 def _finer(cells: Bools, shape: tuple[int, ...]) -> Bools:

@@ -15,7 +15,7 @@ from scipy.spatial import ConvexHull
 from lutgen.analysis import Diagnosis, Facet, Posture, diagnose
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.plot.labels import angle, counted, gravity_text, named
-from lutgen.plot.painter import Camera, Solid, com_mark, frame_of, newell, paint
+from lutgen.plot.painter import Camera, Solid, arrow, com_mark, frame_of, newell, paint
 from lutgen.plot.solids import solids_of
 from lutgen.plot.style import bare, colours, new_figure
 from lutgen.plot.view import View
@@ -76,7 +76,7 @@ def draw_scene(
         flat += _ground(axes, solids, state.facet, scene)
         _support(axes, state.facet, scene, line)
     paint(axes, solids, camera, 0.7 * line, 3.0)
-    _arrow(axes, com, hit, colours().ink, line)
+    arrow(axes, com, hit, colours().ink, line)
     com_mark(axes, com, 0.026 * size, 8.0)
     if recipe.com_uncertainty > 0.0:
         ball = Circle((com[0], com[1]), recipe.com_uncertainty, fill=False, linestyle=":")
@@ -87,7 +87,7 @@ def draw_scene(
         if any(force.force):
             # The weight would be as long as the robot.
             ends = camera.flat(np.array([start, start + size / weight * np.array(force.force)]))
-            _arrow(axes, ends[0], ends[1], colours().red, line)
+            arrow(axes, ends[0], ends[1], colours().red, line)
             scene.force = ends.mean(axis=0)
             flat.append(ends)
     everything = np.concatenate(flat)
@@ -147,16 +147,6 @@ def _support(axes: Axes, facet: Facet, scene: Scene, line: float) -> None:
         scene.support = polygon[int(np.argmax(away - 0.5 * polygon[:, 1]))]
 
 
-def _arrow(axes: Axes, start: Floats, stop: Floats, colour: str, line: float) -> None:
-    """Draw an arrow on the paper."""
-    part = 0.15 * start + 0.85 * stop
-    axes.plot(*np.transpose([start, part]), color=colours().paper, lw=4.2 * line, zorder=7.6)
-    head, look = math.sqrt(line), {"color": colour, "linewidth": 1.8 * line}
-    look["arrowstyle"] = f"-|>,head_width={0.28 * head:g},head_length={0.5 * head:g}"
-    arrow = {"shrinkA": 0, "shrinkB": 0, **look}
-    axes.annotate("", (stop[0], stop[1]), (start[0], start[1]), arrowprops=arrow, zorder=7.7)
-
-
 def callouts(axes: Axes, labels: Sequence[Label], scene: Scene) -> None:
     """Write labels in two columns beside a picture, with a line to each place."""
     labels = sorted(labels, key=lambda label: float(label[1][0]))
@@ -182,7 +172,7 @@ def callouts(axes: Axes, labels: Sequence[Label], scene: Scene) -> None:
 
 def draw_robot(view: View) -> Figure:
     """Return the figure."""
-    down = view.in_bodies(view.params[None], view.gravity_dir[None])[0, 0]
+    down = view.down(view.params)
     # Its height follows from the robot, so the robot is drawn once beforehand.
     probe = draw_scene(bare(new_figure((1.0, 1.0)).add_subplot()), view.recipe, view.params, down)
     across, up = probe.high - probe.low

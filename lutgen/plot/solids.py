@@ -71,6 +71,8 @@ class Body:
         # Sensors of a few grams are not drawn.
         half = np.array(link.shape or [edge if edge > 0.04 * self.size else 0.0] * 3) / 2.0
         turn, at = self.turn[link.name], self.com[link.name]
+        if link.shape_at is not None:
+            at = self.origin[link.name] + turn @ link.shape_at
         return [box(-half, half, colours().body, turn, at)] if half.all() else []
 
     def bars(self, start: Floats, ends: list[Floats], radius: float) -> list[Solid]:

@@ -46,7 +46,10 @@ def draw_sphere(view: View) -> Figure:
     values = disc.filled(inside, QUANTITIES[view.channel].shown(found[view.channel]))
     tips = disc.filled(inside, found["tip_angle"] < 0.0)
     scale = Scale(view, np.where(tips == 0.0, values, np.nan))
-    sentence = _sentence(view, np.where(tips == 0.0, values, np.nan))
+    found = view.exact(view.params, DOWN, view.channel, "tip_angle")
+    level = float(QUANTITIES[view.channel].shown(found[view.channel][0]))
+    tip = math.degrees(float(found["tip_angle"][0]))
+    sentence = _sentence(view, np.where(tips == 0.0, values, np.nan), level, tip)
     good = "Bright: far from tipping over" if view.channel == "tip_angle" else "Bright is good"
     where = "Middle: body level; the further out, the more it is tilted"
     note = f"{named(view.recipe, view.params)}\n{where}. {good}."
@@ -59,7 +62,13 @@ def draw_sphere(view: View) -> Figure:
         _show_rocking(axes, line, rocks, bool(rocks.sum() > NAMED * inside.sum()))
     disc.write_in(axes, tips == 1.0, "tips over", colours().wash)
     disc.ruler(axes, disc.spread, rim)
-    _name_level(axes, view)
+    look: dict[str, Any] = {"markeredgecolor": BLACK, "markersize": 5, "zorder": 8}
+    axes.plot([0.0], [0.0], "o", color="white", **look)
+    if tip >= 0.0:
+        plate = {"boxstyle": "round,pad=0.22", "facecolor": "white", "edgecolor": "none"}
+        words = f"level {quantity_text(view.recipe, view.channel, level)}"
+        text = axes.text(-0.06, 0.0, words, ha="right", va="center", size=10, bbox=plate)
+        text.set(color=BLACK, zorder=8)
     if view.ax is None:
         tall = figure.get_figheight()
         scale.bar(figure, 6.75, tall - 1.75)
@@ -67,8 +76,8 @@ def draw_sphere(view: View) -> Figure:
             above = bare(place(figure, (6.7, 0.95, 1.15, 1.7)))
             disc.top_view(above, view.recipe, view.params, 1.0)
             above.set(xlim=(-0.75, 0.75), ylim=(-1.05, 1.05), anchor="S")
-            look: dict[str, Any] = {"size": 9.5, "color": colours().soft, "ha": "center"}
-            figure.text(7.27 / 8.0, 0.88 / tall, "seen from above", va="top", **look)
+            text = figure.text(7.27 / 8.0, 0.88 / tall, "seen from above", size=9.5)
+            text.set(color=colours().soft, ha="center", va="top")
     return figure
 
 
@@ -87,30 +96,15 @@ def _show_rocking(axes: Axes, line: Floats, rocks: disc.Bools, name: bool) -> No
         note.set(size=10.5, ha="center", va="center", zorder=9, path_effects=halo())
 
 
-def _name_level(axes: Axes, view: View) -> None:
-    """Mark the level body and its value, if it stands."""
-    look: dict[str, Any] = {"markeredgecolor": BLACK, "markersize": 5, "zorder": 8}
-    axes.plot([0.0], [0.0], "o", color="white", **look)
-    found = view.exact(view.params, DOWN, view.channel, "tip_angle")
-    if found["tip_angle"][0] >= 0.0:
-        value = float(QUANTITIES[view.channel].shown(found[view.channel][0]))
-        plate = {"boxstyle": "round,pad=0.22", "facecolor": "white", "edgecolor": "none"}
-        words = f"level {quantity_text(view.recipe, view.channel, value)}"
-        text = axes.text(-0.06, 0.0, words, ha="right", va="center", size=10, bbox=plate)
-        text.set(color=BLACK, zorder=8)
-
-
-def _sentence(view: View, values: Floats) -> str:
-    """Return what the channel of the level robot is, and the best of all directions."""
-    found = view.exact(view.params, DOWN, "tip_angle", view.channel)
-    tip, best = math.degrees(float(found["tip_angle"][0])), optimum(view.channel, values)
+def _sentence(view: View, values: Floats, level: float, tip: float) -> str:
+    """Return the channel `level`, where the tip-over angle is `tip` (deg), and the best of all."""
+    best = optimum(view.channel, values)
     if best is None:
         return "It tips over under every gravity"
     most = float(values.flat[best])
     if view.channel != "tip_angle":
         name = QUANTITIES[view.channel].symbol
-        now = float(QUANTITIES[view.channel].shown(found[view.channel][0]))
-        text = f"Level, its {name} is {quantity_text(view.recipe, view.channel, now)}"
+        text = f"Level, its {name} is {quantity_text(view.recipe, view.channel, level)}"
         text = text if tip >= 0.0 else f"Level, it tips over; {name}"
         return f"{text}, {quantity_text(view.recipe, view.channel, most)} at best"
     if most > 179.99:
@@ -134,9 +128,9 @@ def draw_hero(recipe: Recipe, postures: Mapping[str, Sequence[float]], title: st
     words.set_color(colours().soft)
     for n, (name, params) in enumerate(postures.items()):
         view = View(recipe, None, np.asarray(params), DOWN, "tip_angle", convention="plane")
-        down, left = view.in_bodies(view.params[None], DOWN[None])[0, 0], 0.12 + n * STEP
+        left = 0.12 + n * STEP
         axes = bare(place(figure, (left, 1.62, *SCENE)))
-        scene = draw_scene(axes, recipe, params, down, 0.6)
+        scene = draw_scene(axes, recipe, params, view.down(view.params), 0.6)
         scenes.append((axes, scene))
         _disc(place(figure, (left + 0.02, 0.06, PLATE, PLATE)), view)
         x, tip = (left + PLATE + 0.09) / SIZE[0], math.degrees(scene.state.channels["tip_angle"])

@@ -31,7 +31,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from lutgen.errors import InputError, reject
 from lutgen.files import write_bytes
-from lutgen.plot.labels import fit
+from lutgen.plot.labels import folded
 
 log = logging.getLogger("lutgen")
 
@@ -88,14 +88,11 @@ def on_sheet(size: str | None = None, style: str = "journal") -> Iterator[None]:
     width = height = None
     if size is not None:
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?", size.strip())
-        if found is None:
-            what = "must be WIDTH or WIDTHxHEIGHT in mm"
-            reject("size", what, repr(size), "try 85", InputError)
-        width, height = (None if part is None else float(part) for part in found.groups())
-        for part in (width, height):
-            if part is not None and not NARROWEST <= part <= WIDEST:
-                what = f"a figure is {NARROWEST:g} to {WIDEST:g} mm wide and high"
-                reject("size", what, f"{part:g}", "85 mm is a column of a journal", InputError)
+        sides = [float(part) for part in found.groups() if part] if found else []
+        if not (sides and all(NARROWEST <= side <= WIDEST for side in sides)):
+            what = f"must be WIDTH or WIDTHxHEIGHT, {NARROWEST:g} to {WIDEST:g} mm each"
+            reject("size", what, repr(size), "85 is a column of a journal", InputError)
+        width, height = (*sides, None)[:2]
     token = _sheet.set(Sheet(width, height, style))
     try:
         yield
@@ -248,8 +245,11 @@ def page(height: float, sentence: str, note: str) -> Figure:
     title = figure.text(0.03, 1.0, sentence, size=15, weight="bold", va="top")
     below = figure.text(0.03, 1.0, note, size=10.5, va="top", linespacing=1.35)
     below.set_color(colours().soft)
-    for text, longest in ((title, 66), (below, 104)):
-        fit(text, 0.94 * WIDTH, range(longest, 16, -6))
+    for text, words, most in ((title, sentence, 66), (below, note, 104)):
+        for letters in range(most, 16, -6):
+            text.set_text(folded(words, letters))
+            if text.get_window_extent().width <= 0.94 * WIDTH * RESOLUTION:
+                break
         lines.append(text.get_text().count("\n") + 1)
     first = 0.22 + 0.27 * lines[0]
     whole = height + first + 0.21 * lines[1] + 0.14

@@ -22,6 +22,7 @@ from lutgen.analysis import (
 )
 from lutgen.plot import disc
 from lutgen.plot.labels import HEADINGS, angle, named
+from lutgen.plot.painter import arrow
 from lutgen.plot.style import bare, colours, halo, in_house_style, page, place
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
@@ -189,13 +190,8 @@ class _Chart:
         """Draw an arrow to the worst heading, and its angle unless a heading's name has it."""
         if not math.isfinite(self.heading) or self.least < 0.3 * self.rim:
             return
-        shaft: dict[str, Any] = {
-            "arrowstyle": "-|>,head_width=0.3,head_length=0.6",
-            "color": colours().red,
-        }
-        shaft |= {"linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
-        stop, start = self.at(self.heading, self.least), disc.at(self.heading, 0.235)
-        self.axes.annotate("", tuple(stop), tuple(start), arrowprops=shaft, zorder=6)
+        start, stop = disc.at(self.heading, 0.235), self.at(self.heading, self.least)
+        arrow(self.axes, start, stop, colours().red, 1.2)
         if min(_apart(h, self.heading) for h in HEADINGS) >= 8.0:
             x, y = disc.at(self.heading + 24.0, max(0.75 * self.least / self.rim, 0.36))
             text = self.axes.text(x, y, f"worst\n{angle(self.least)}", color=colours().red)

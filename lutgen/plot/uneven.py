@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from lutgen.analysis import Equilibrium, Footing
 from lutgen.plot.labels import given, plain, unit_label
-from lutgen.plot.painter import com_mark
+from lutgen.plot.painter import arrow, com_mark
 from lutgen.plot.style import colours, halo, in_house_style, page, place
 from lutgen.vector import Floats
 
@@ -53,15 +53,14 @@ def draw_footing(footing: Footing, found: Equilibrium) -> Figure:
         for foot, force in zip(feet, FORCE * length / largest * forces, strict=True):
             # A head alone would say which way a force goes that is not there.
             if np.linalg.norm(force) > 0.02 * length:
-                arrow = {"arrowstyle": "-|>", "color": look.soft, "linewidth": 1.6, "shrinkA": 0}
-                axes.annotate("", tuple(foot + force), tuple(foot), arrowprops=arrow, zorder=6)
-    axes.plot(*feet.T, "o", color=look.ink, markersize=6, zorder=7)
+                arrow(axes, foot, foot + force, look.soft, 0.9)
+    axes.plot(*feet.T, "o", color=look.ink, markersize=6, zorder=7.8)
     com_mark(axes, com, 0.02 * length, 8.0)
     for foot, name in zip(feet, footing.names, strict=True):
         side = np.where(foot >= feet.mean(axis=0), 1.0, -1.0)
         text = axes.annotate(plain(name), tuple(foot), tuple(6.0 * side), **NEAR)
-        text.set(path_effects=halo())
         text.set(ha="left" if side[0] > 0 else "right", va="bottom" if side[1] > 0 else "top")
+        text.set_path_effects(halo())
     return figure
 
 

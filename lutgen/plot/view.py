@@ -79,7 +79,7 @@ class View:
         """
         rows, down = np.atleast_2d(rows), np.atleast_2d(np.asarray(directions, np.float64))
         if self.stability_map is not None and is_sealed(self.recipe):
-            count = max(len(rows), len(down))
+            (count,) = np.broadcast_shapes(rows.shape[:1], down.shape[:1])
             rows = np.broadcast_to(rows, (count, rows.shape[1]))
             return self.stability_map.read(rows, np.broadcast_to(down, (count, 3)), channels)
         # Figures of many directions have gravity fixed in the body.
@@ -87,11 +87,10 @@ class View:
         values = evaluate_each(self.recipe, rows, each, channels, self.convention)
         return {name: value.ravel() for name, value in values.items()}
 
-    def in_bodies(self, rows: Floats, down: Floats) -> Floats:
-        """Return directions (d, 3) in the body of each of m postures, (m, d, 3)."""
-        if self.convention == "plane":
-            return body_gravity(self.recipe, rows, down[0], "plane")[:, None]
-        return np.broadcast_to(down, (len(rows), *down.shape))
+    def down(self, posture: Floats) -> Floats:
+        """Return the figure's gravity direction (3,) in the body of a posture (k,)."""
+        here = body_gravity(self.recipe, posture[None], self.gravity_dir, self.convention)
+        return np.asarray(here[0])
 
     def rocks(self, directions: Floats) -> NDArray[np.bool_]:
         """Return where the figure's posture rocks between rests, (d,); False if it is not known."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from lutgen.arrays import Floats
 from lutgen.errors import InputError
+from lutgen.parts import ZERO
 from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.feet import foot_of, wheel_of
@@ -42,8 +43,8 @@ def opened_meshes(
     """Return the description with simple shapes for the meshes that touch the ground.
 
     Those of the links that are `named`, or of each chain of links the lowest, near the ground.  A
-    mesh that was opened has its extent as `size`, one that cannot be read the reason as its note;
-    on links that touch, one shape stands for all.  The visual meshes of a link without collision
+    mesh that was opened is placed as the box about it, one that cannot be read has a note why; on
+    links that touch, one shape stands for all.  The visual meshes of a link without collision
     shapes serve, if it is named, or if the robot does not stand on spheres and cylinders.
     """
     found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
@@ -73,7 +74,9 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
         if shape.kind == "mesh":
             try:
                 parts.append(meshes.corners(shape))
-                shape = replace(shape, size=tuple(np.ptp(parts[-1], axis=0).tolist()))
+                low, high = parts[-1].min(axis=0), parts[-1].max(axis=0)
+                size, (x, y, z) = tuple((high - low).tolist()), ((low + high) / 2.0).tolist()
+                shape = replace(shape, size=size, origin=(x, y, z), rpy=ZERO)
             except InputError as error:
                 shape = replace(shape, note=str(error))
         shapes.append(shape)

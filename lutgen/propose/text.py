@@ -186,7 +186,8 @@ def _link_values(link: Link, names: Mapping[str, str]) -> dict[str, object]:
     values: dict[str, object] = {"name": names[link.name]}
     if link.mass > 0.0:
         values |= {"mass": link.mass, "com": _vector(link.com)}
-        values["shape"] = _vector(link.shape) if link.shape else None
+        if link.shape and link.shape_at:
+            values |= {"shape": _vector(link.shape), "shape_at": _vector(link.shape_at)}
     if link.parent is not None:
         rpy = [_shown(angle, "deg") for angle in link.rpy]
         values |= {"parent": names[link.parent], "origin": _vector(link.origin), "rpy": rpy}

@@ -177,6 +177,8 @@ def link_faults(robot: Robot) -> Iterator[Fault]:
         if "mass" not in link.model_fields_set:
             what = "changes nothing without a mass"
             yield from given(link, key, ("com",), what, "give mass too")
+        if link.shape is None:
+            yield from given(link, key, ("shape_at",), "needs a shape", "give shape too")
         if link.name == "body":
             what, fixed = "is not allowed for the root link", ("parent", "origin", "rpy", "joint")
             yield from given(link, key, fixed, what)

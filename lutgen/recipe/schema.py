@@ -148,6 +148,7 @@ class Link(Table):
         "Its centre of mass; without any masses that of all is the origin.", [0.08, 0, 0], ZEROS
     )
     shape: Sides | None = may("Sides of a box about its com, for figures.", [0.5, 0.3, 0.1])
+    shape_at: Place | None = may("Middle of that box, if it is not the com.", [0.1, 0, 0])
 
 
 class Contact(Table):

@@ -42,12 +42,13 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
     A joint held away from zero is part of its link's placement; `parameters` names free joints'.
-    A link that is one box has its sides, for figures.
+    A link that is one box, or one mesh that was opened, has a box for figures.
     """
     require_mass(robot)
     described = {link.name: link for link in robot.links}
     top = described[robot.root]
-    result = [Link(top.name, mass=top.mass, com=top.com, shape=_sides(top))]
+    sides, middle = _box(top)
+    result = [Link(top.name, mass=top.mass, com=top.com, shape=sides, shape_at=middle)]
     for joint in downwards(robot):
         drive = motion.drive(joint.name)
         moving = None
@@ -59,22 +60,22 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
             turn, where = _moved(joint, drive.offset)
             origin, rpy = as_vector(where), angles(turn)
         link = described[joint.child]
-        mass, com, sides = link.mass, link.com, _sides(link)
-        result.append(Link(link.name, joint.parent, origin, rpy, moving, mass, com, sides))
+        seen = link.mass, link.com, *_box(link)
+        result.append(Link(link.name, joint.parent, origin, rpy, moving, *seen))
     return tuple(result)
 
 
-def _sides(link: UrdfLink) -> Vector | None:
-    """Return the sides, along a link's axes, of a box that is its only shape, or None.
+def _box(link: UrdfLink) -> tuple[Vector | None, Vector | None]:
+    """Return sides and middle of a box along a link's axes about its only shape, a box or a mesh.
 
-    None also if the com is off the middle by more than a quarter of a side: figures draw it there.
+    None for other shapes, a mesh that was not opened and a link without mass.
     """
-    if len(link.collisions) != 1 or link.collisions[0].kind != "box" or not link.mass:
-        return None
-    (box,) = link.collisions
-    sides = np.abs(rotation(box.rpy)) @ box.size
-    off = np.abs(np.subtract(link.com, box.origin))
-    return as_vector(sides) if (off <= 0.25 * sides).all() else None
+    if len(link.collisions) != 1 or not link.mass:
+        return None, None
+    (one,) = link.collisions
+    if one.kind not in ("box", "mesh") or not one.size:
+        return None, None
+    return as_vector(np.abs(rotation(one.rpy)) @ one.size), one.origin
 
 
 def places(

@@ -2,6 +2,7 @@
 
 import math
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import lutgen
 from firmware_export.host import RUNTIME
 from lutgen.analysis import Posture, stop_speeds
+from lutgen.parts import Force
 from tests.fixtures.compiled import compile_c
 from tests.fixtures.recipes import feet, rigid
 
@@ -61,6 +63,31 @@ def test_units_count_and_what_is_not_known_is_no_number():
         found = stop_speeds(box(scale, unit=unit), LEVEL, [0.0]).anyhow
         assert found == pytest.approx(speeds()[1])
     assert math.isnan(stop_speeds(box(unit="1"), LEVEL, [0.0]).anyhow)
+    robot = box().recipe
+    heavy = replace(robot.links[0], mass=10.0)
+    pulled = replace(
+        robot, links=(heavy,), forces=(Force("rope", heavy.name, (0, 0, 0), (1, 0, 0)),)
+    )
+    assert math.isnan(stop_speeds(Posture(pulled, []), LEVEL, [0.0]).anyhow)
+
+
+def test_an_uncertain_com_may_go_no_faster_than_any_com_in_its_ball():
+    rng, rho, around = np.random.default_rng(3), 0.02, np.radians(np.arange(0.0, 360.0, 15.0))
+    doubted = box(head=f"com_uncertainty = {rho}")
+    for bump in (0.0, 0.02):
+        for down in (LEVEL, np.array([0.05, -0.1, -1.0])):
+            found = stop_speeds(doubted, down, around, bump)
+            least, slowest = np.full(len(around), np.inf), np.inf
+            for _ in range(100):
+                off = rng.normal(size=3)
+                corners = CORNERS - rho * off / np.linalg.norm(off)
+                real = Posture(lutgen.parse_recipe(rigid(feet(corners))), [])
+                there = stop_speeds(real, down, around, bump)
+                assert (found.all_at_once <= there.all_at_once).all()
+                assert found.anyhow <= there.anyhow
+                least, slowest = np.minimum(least, there.all_at_once), min(slowest, there.anyhow)
+            assert found.anyhow > 0.75 * slowest
+            assert (found.all_at_once > 0.6 * least).all()
 
 
 def test_the_c_is_never_above_and_little_below_where_an_edge_is_near(tmp_path):

@@ -118,7 +118,6 @@ def test_what_no_page_can_show_is_refused_in_a_sentence(tmp_path):
     path.write_text((MAPS / "absolem.toml").read_text().replace("[sweep]", f"{WIND}[sweep]", 1))
     for asked, words in (
         ((path, "-o", tmp_path / "page.html"), "under forces"),
-        (("recipe:absolem", "-o", tmp_path / "page.pdf"), "is no name of a page"),
         ((tmp_path / "whole", "-o", tmp_path / "page.html"), "without floats"),
     ):
         code, output = explored(*asked)

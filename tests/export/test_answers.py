@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.codecs import codec
 from firmware_export.contacts.codec import LIMITS
 from firmware_export.control import PolicyOptions, design
 from firmware_export.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import parse_recipe, robot_size_of
+from tests.fixtures.length import part
 from tests.fixtures.linkage import COARSEST, coded
 from tests.fixtures.many_library import (
     OK,
@@ -167,9 +167,28 @@ def test_answers_do_not_depend_on_the_unit_of_length():
         assert metres[name].tobytes() == other[name].tobytes()
 
 
-def test_what_has_no_bound_with_an_axle_is_refused_with_a_way_out():
-    uncertain = TRACTOR.replace("[robot]\n", "[robot]\ncom_uncertainty = 0.01\n")
-    uncertain = Model(parse_recipe(uncertain))
-    assert "--arithmetic integer" in str(codec("contacts").refusal(uncertain, "float"))
-    with pytest.raises(InputError, match=r"axles that swing \(got front\); read its export"):
-        design(Model(parse_recipe(TRACTOR)), PolicyOptions())
+@pytest.mark.parametrize("name", ["tractor", "lifted", "still"])
+def test_an_uncertain_com_above_an_axle_that_swings_tips_nowhere_where_the_c_says_it_stands(name):
+    text = TEXTS.get(name, TRACTOR)
+    if name == "still":  # all of its postures have one height
+        text = text.replace("max = 1.05", "max = 0.7501").replace("max = 45.0", "max = -34.99")
+    recipe = parse_recipe(text.replace("[robot]\n", "[robot]\ncom_uncertainty = 0.01\n"))
+    rng, robot = np.random.default_rng(12), Library(recipe)
+    params = postures_of(recipe, rng, part(10_000, 40))
+    g = near_and_far(recipe, params, rng, 15, 50)
+    true = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle",))["tip_angle"]
+    got = robot.read(params, g)
+    safe, stands = got["status"] != TIPS, true >= 0.0
+    assert not (safe & (got["tip_angle"] > true)).any()
+    guard = robot.export.tables.guard
+    assert math.radians(0.5) < guard < math.radians(1.5)
+    clear = true > guard + 1e-4
+    assert (clear & ~safe).sum() < 0.03 * clear.sum()
+    assert (stands & safe).sum() > 1000
+
+
+def test_control_refuses_an_axle_that_carries_in_some_postures_only():
+    one_wheel = 'link = "left_wheel"\nposition = [0, 0, 0.78]'
+    for text in (TEXTS["lifted"], TRACTOR.replace(one_wheel, one_wheel.replace("0.78]", "0.75]"))):
+        with pytest.raises(InputError, match=r"some postures only \(got front\); read its export"):
+            design(Model(parse_recipe(text)), PolicyOptions())

@@ -58,6 +58,20 @@ def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised():
     assert (found.faults, found.below) == (0, 0)
 
 
+def test_ways_on_an_axle_that_swings_are_certified():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(maker, "POSTURES", 100)
+        patch.setattr(maker, "UNSEEN", 20)
+        tractor = robot("tractor", nodes=3)
+    count = part(20_000, 12)
+    found = transits(tractor, count, inside=12)
+    assert found.promised > 0.4 * count
+    assert (found.faults, found.below) == (0, 0)
+    found = budgets(tractor, 1000)
+    assert found.faults == 0
+    assert found.share > 0.95
+
+
 def test_a_damaged_table_costs_margin_but_no_safety():
     found = damaged(paper(), 40)
     assert found.promised > 1000

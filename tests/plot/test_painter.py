@@ -72,9 +72,11 @@ def test_discs_of_one_belt_are_one_track_and_a_shape_is_a_box():
         )
     )
     link = '[[robot.link]]\nname = "body"\nmass = 9.0\ncom = [0, 0, 0.2]\nshape = [0.8, 0.4, 0.3]\n'
-    solids = solids_of(lutgen.parse_recipe(rigid(link + belts)), [])
+    solids = solids_of(lutgen.parse_recipe(rigid(f"{link}shape_at = [0.1, 0, 0.3]\n{belts}")), [])
     spans = sorted(np.ptp(solid.points, axis=0).round(6).tolist() for solid in solids)
     assert spans[0] == [0.8, 0.4, 0.3]
+    middles = [solid.points.mean(axis=0).round(6).tolist() for solid in solids]
+    assert [0.1, 0.0, 0.1] in middles  # the origin is the com
     # From rim to rim: 1 m apart, and two radii of 0.1.
     assert [span[0] for span in spans[1:]] == [pytest.approx(1.2, abs=1e-3)] * 2
 

@@ -14,8 +14,10 @@ from PIL import Image
 import lutgen
 from lutgen import plot
 from lutgen.analysis import Posture, posture_limits, tilt_limits, tilted
+from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.quantities import RANKED
+from tests.fixtures.linkage import coded
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
@@ -139,6 +141,26 @@ def test_hatching_covers_what_tips_over_and_the_star_is_the_best_of_the_rest(con
     assert f"{x:.0f}{DEG}" in title(contour)
 
 
+def test_a_map_of_code_that_is_not_run_has_contours_where_nothing_jumps(tmp_path):
+    lutgen.sweep(coded("legs"), tmp_path / "legs.h5")
+    figure = plot.draw("contour", lutgen.load_map(tmp_path / "legs.h5"))
+    assert title(figure).startswith("Best with a level body: ")
+
+
+def test_an_even_region_is_named_with_its_angle_and_a_ramp_is_not(absolem):
+    tractor = lutgen.load_recipe(MAPS / "tractor.toml")
+    assert "everywhere" not in words(plot.draw("contour", tractor, gravity=(0.0, 0.25, -1.0)))
+    figure = plot.draw("contour", absolem, convention="plane")
+    (said,) = (one for one in figure.axes[0].texts if "everywhere" in one.get_text())
+    # Words are about 80 deg wide there.
+    around = np.add(said.get_position(), [(x, y) for x in (-40, 0, 40) for y in (-10, 0, 10)])
+    down = np.tile(DOWN, (len(around), 1))
+    found = evaluate_each(absolem, np.radians(around), down, ("tip_angle",), "plane")
+    angles = np.degrees(found["tip_angle"])
+    assert said.get_text() == f"{math.floor(angles.min())}{DEG} everywhere here"
+    assert np.ptp(angles) < 1.2
+
+
 @pytest.mark.parametrize("kind", ["curve", "contour", "surface"])
 def test_a_figure_without_a_standing_posture_has_no_optimum(two, kind):
     # No posture of this robot stands with its nose straight up.
@@ -241,7 +263,7 @@ def refused(source, kind, fragment, **options):
     [
         ("pie", {}, "choose from: curve"),
         ("curve", {"params": {"alph": 3.0}}, "did you mean 'alpha'"),
-        ("curve", {"params": {"alpha": 60.0}}, "choose from 0 to 50 deg"),
+        ("curve", {"params": {"alpha": 60.0}}, "must lie in 0 to 50 deg"),
         ("curve", {"params": {"alpha": 1.0, "gamma": 1.0}}, "got 0 that are free"),
         ("contour", {"axes": ("alpha", "alpha")}, "2 different axes"),
         ("contour", {"axes": ("alpha", "gamma"), "params": {"alpha": 1.0}}, "both fixed and"),

@@ -47,11 +47,8 @@ def test_the_figure_of_limits_holds_them():
     # Gaps of less than 2 deg of heading are closed, which rounds dents off.
     expected = np.degrees(tilt_limits(robot, rows[2], heading, "plane"))
     np.testing.assert_allclose(tilt, expected, atol=0.05)
-    best, worst = polar("best posture")[1], polar("worst posture")[1]
-    np.testing.assert_allclose(best, np.degrees(swept.most))
-    np.testing.assert_allclose(worst, np.degrees(swept.least))
-    least = math.floor(math.degrees(found.worst.tilt))
-    assert f"at least {least}\N{DEGREE SIGN} in any" in figure.texts[0].get_text()
+    np.testing.assert_allclose(polar("best posture")[1], np.degrees(swept.most))
+    np.testing.assert_allclose(polar("worst posture")[1], np.degrees(swept.least))
     slides = polar("slides at 38\N{DEGREE SIGN}")[1]
     assert slides[np.isfinite(slides)] == pytest.approx(math.degrees(math.atan(0.8)), abs=1e-9)
     only_best = draw_limits(robot, found, swept, worst=False).axes[0].get_lines()

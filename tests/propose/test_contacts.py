@@ -49,19 +49,14 @@ def test_a_box_is_its_corners_and_counts_only_without_round_shapes():
 
 
 @pytest.mark.parametrize(
-    ("com", "extra", "sides"),
-    [
-        ("0.9 2 3", "", (4.0, 2.0, 6.0)),
-        # Drawn about its com it would be elsewhere; and a wheel is no box.
-        ("0.9 2.6 3", "", None),
-        ("0.9 2 3", collision('sphere radius="1"'), None),
-    ],
+    ("extra", "sides", "middle"),
+    [("", (4.0, 2.0, 6.0), (1.0, 2.0, 3.0)), (collision('sphere radius="1"'), None, None)],
 )
-def test_a_link_that_is_a_box_about_its_com_has_its_sides_for_figures(com, extra, sides):
+def test_a_link_that_is_one_box_is_that_box_in_figures(extra, sides, middle):
     box = collision('box size="2 4 6"', "1 2 3", f"0 0 {math.pi / 2.0!r}")
-    described = parse_urdf(robot(link("a", 1.0, com, inside=box + extra)))
+    described = parse_urdf(robot(link("a", 1.0, "0.9 2.6 3", inside=box + extra)))
     (found,) = links_of(described, read_motion(described, None), {})
-    assert found.shape == (None if sides is None else pytest.approx(sides))
+    assert (found.shape, found.shape_at) == (sides and pytest.approx(sides), middle)
 
 
 def test_a_steering_joint_moves_a_wheel_and_a_slide_moves_what_it_carries():

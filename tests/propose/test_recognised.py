@@ -119,6 +119,9 @@ def test_two_soles_are_eight_corners_and_the_shanks_are_none(folder):
         (x, y, -0.01) for x in (-0.07, 0.13) for y in (-0.05, 0.05)
     ]
     assert "the corners of a flat sole" in made.guessed[0]
+    # In figures the body is the box about its mesh, wherever its centre of mass is.
+    base = next(link for link in recipe.links if link.mass == 5.0)
+    assert (*base.shape, *base.shape_at) == pytest.approx((0.6, 0.3, 0.1, 0.0, 0.0, 0.3))
 
 
 def test_a_ball_beside_a_mesh_is_what_the_wheel_stands_on(folder):

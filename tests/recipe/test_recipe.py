@@ -35,9 +35,9 @@ def test_a_good_recipe_becomes_radians_and_unit_vectors():
     assert recipe.parameters == (Parameter("lift", low, high, "rad", "deg", "0: level"),)
     assert recipe.home == {"lift": math.radians(20)}
     lift = Joint("revolute", (0.0, 0.6, 0.8), "lift", -1.0, math.radians(5))
-    rpy = (0.0, 0.0, math.radians(10))
+    rpy, box = (0.0, 0.0, math.radians(10)), ((0.5, 0.4, 0.1), (0.1, 0.0, 0.0))
     assert recipe.links == (
-        Link("body", mass=5.0, com=(0.0, 0.0, 0.1), shape=(0.5, 0.4, 0.1)),
+        Link("body", None, ZERO, ZERO, None, 5.0, (0.0, 0.0, 0.1), *box),
         Link("leg", "body", (0.0, 0.0, 0.1), rpy, lift, 1.0, (0.1, 0.0, 0.0)),
         Link("load", "body", (0.0, 0.0, 0.2), mass=1.0),
     )
@@ -65,10 +65,9 @@ def test_a_good_recipe_becomes_radians_and_unit_vectors():
 
 
 def test_what_is_left_out_gets_its_documented_default():
-    drop = r"^(title|friction|upright|rock_angle|rest_width|contact_tolerance|com_\w+|home"
-    drop += (
-        r"|mass|com|shape|origin|rpy|rolling|width|belt|meaning) = .*\n|\[\[robot.(force|payload)"
-    )
+    drop = r"^(title|friction|upright|rock_angle|rest_width|contact_tolerance|com_\w+|home|mass"
+    drop += r"|com|shape(_at)?|origin|rpy|rolling|width|belt|meaning) = .*\n"
+    drop += r"|\[\[robot.(force|payload)"
     text = re.sub(r"\[\[robot\.(payload|wheel)(.|\n)*(?=\[sweep\])", "", EVERYTHING)
     recipe = parse_recipe(re.sub(drop, "", text.partition("[export]")[0], flags=re.MULTILINE))
     assert (recipe.title, recipe.friction, recipe.rest_width) == (None, None, None)
@@ -103,7 +102,7 @@ def test_what_may_be_written_otherwise():
 
 def test_keys_for_figures_change_no_number():
     drawn = parse_recipe(EVERYTHING)
-    keys = r"^(title|meaning|shape|width|belt) = .*\n"
+    keys = r"^(title|meaning|shape(_at)?|width|belt) = .*\n"
     plain = parse_recipe(re.sub(keys, "", EVERYTHING, flags=re.MULTILINE))
     assert (plain.title, plain.contacts[0].width, plain.contacts[0].belt) == (None, 0.0, "")
     one, other = (
