@@ -91,7 +91,7 @@ def polygon_limits(corners: Floats, headings: Floats) -> Floats:
 def outline(posture: Posture) -> Floats:
     """Return the lowest points of all contacts whose outline from above has no other outside."""
     down = (0.0, 0.0, -1.0)
-    contacts = range(len(posture.primitives))
+    contacts = range(len(posture.recipe.contacts))
     points = np.array([support_contact(posture.primitives, k, down) for k in contacts])
     # From above they are counter-clockwise.
     return np.asarray(points[ConvexHull(points[:, :2]).vertices[::-1]])
@@ -105,7 +105,7 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
     except LutgenError:
         return None
     facet = posture.under(LEVEL[0])
-    if facet is None or ours.level_status > 0.0 or not facet.is_rest:
+    if facet is None or ours.level_status > 0.0:
         return None
     level = {name: ours.level[name] for name in OURS}
     level |= {name: float(rule(facet.points, LEVEL)[0]) for name, rule in MARGINS.items()}

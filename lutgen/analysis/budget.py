@@ -27,8 +27,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Facet, Posture
+from lutgen.analysis.tilt import gravity_transform
 from lutgen.channels import evaluate, evaluate_each, segment_energy
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.recipe import Recipe
@@ -50,11 +50,11 @@ def budgets(recipe: Recipe, params: ArrayLike, gravity: ArrayLike, direction: Ar
     """Return the largest accelerations before postures tip over, (m,), m/s^2, rounded down.
 
     0 where a posture (m, k) tips anyway, `MOST` where it would not tip below that.  `gravity`
-    (m, 3) is down and `direction` (m, 3) where the robot accelerates, body frame, any length > 0:
-    braking is backward, turning to the left is to the left.
+    (m, 3) is down and `direction`, (m, 3) or (3,), where the robot accelerates, body frame, any
+    length > 0: braking is backward, turning to the left is to the left.
     """
     rows = np.asarray(params, dtype=np.float64)
-    both = np.array([gravity, direction], dtype=np.float64)
+    both = np.array(np.broadcast_arrays(gravity, direction), dtype=np.float64)
     force, to = both / np.linalg.norm(both, axis=-1, keepdims=True)
     found, at = np.zeros(len(rows)), np.arange(len(rows))
     for _ in range(READS):

@@ -24,11 +24,10 @@ BALANCED = 1e-9
 class TipAxis:
     """A piece of the standing region's boundary: the line over which the robot would turn.
 
-    The two contacts are the same for the side of a gap, where one round contact rolls.  Angles
-    and lengths are signed as for the channels.
+    Its two contacts, by `names`, are the same for the side of a gap, where one round contact rolls.
+    Angles and lengths are signed as for the channels.
     """
 
-    contacts: tuple[int, int]
     names: tuple[str, str]
     start: Floats
     stop: Floats
@@ -164,4 +163,4 @@ def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: flo
     axis, names = posture.axes[b], posture.recipe.contact_names
     i, j = (int(posture.region.source[c]) for c in axis["contacts"])
     ends = axis["start"].copy(), axis["stop"].copy()
-    return TipAxis((i, j), (names[i], names[j]), *ends, angle, margin, energy)
+    return TipAxis((names[i], names[j]), *ends, angle, margin, energy)

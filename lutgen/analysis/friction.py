@@ -16,12 +16,13 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.analysis.forces import load_corners, normal_forces
 from lutgen.analysis.posture import Facet, Posture
-from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
+from lutgen.analysis.resistance import BRAKED, least_resistance
 from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
+from lutgen.arrays import Bools
 from lutgen.bracket import halve
 from lutgen.channels import checked_directions, evaluate
 from lutgen.errors import InputError, reject
@@ -45,7 +46,7 @@ Loads = Literal["every", "some"]
 
 def first_tilts(
     posture: Posture,
-    happens: Callable[[Floats], NDArray[np.bool_]],
+    happens: Callable[[Floats], Bools],
     headings: ArrayLike,
     convention: str = "body",
     step: float = STEP,
@@ -100,7 +101,7 @@ def share_limits(
         reject(recipe.source, what, f"{name}={share:g}", way_out, InputError)
     alone = replace(recipe, groups=(groups[name],))
 
-    def light(down: Floats) -> NDArray[np.bool_]:
+    def light(down: Floats) -> Bools:
         found = evaluate(alone, posture.row, down, ("least_share",))["least_share"][0]
         return np.asarray(~(found >= share))
 
@@ -122,7 +123,7 @@ def slide_limits(posture: Posture, headings: ArrayLike, convention: str = "body"
     mu = recipe.friction
     normals = np.array([facet.normal for facet in posture.facets]).reshape(-1, 3)
 
-    def slides(down: Floats) -> NDArray[np.bool_]:
+    def slides(down: Floats) -> Bools:
         facet = evaluate(recipe, posture.row, down, ("facet",))["facet"][0]
         found, on = np.zeros(len(down), np.bool_), facet >= 0.0
         normal, force = normals[facet[on].astype(int)], down[on] + push
@@ -163,53 +164,53 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     roll = roll / np.where(size > 0.0, size, 1.0)
     free = [DISC if one.kind == "disc" else SPHERE for one in contacts]
     motion = np.where([one.rolling for one in contacts], free, BRAKED)
-    if loads == "every":
-        order = np.argsort(corners @ (motion == BRAKED), kind="stable")
-        return float(least_of_each(motion, corners[order], arm, roll))
-    able = (corners > 0.0).any(axis=0)
-    share = least_resistance(motion[able], corners[:, able], arm[able], roll[able])
-    return min(1.0, float(share))
+    # Each load by itself, or all mixtures of them.
+    parts = np.vsplit(corners, len(corners)) if loads == "every" else [corners]
+    least = 1.0
+    for part in parts:
+        able = (part > 0.0).any(axis=0)
+        share = least_resistance(motion[able], part[:, able], arm[able], roll[able])
+        least = min(least, float(share))
+    return least
 
 
-def holds(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
+def holds(posture: Posture, gravity_dir: ArrayLike) -> Bools:
     """Return True if one posture holds its place under every load that balances, (g,).
 
     True where it stands under `gravity_dir` (g, 3) (down, body frame, any length > 0) and friction
     keeps it from sliding and rolling: tan(slope) <= mu x `held_share`, and on level ground.
     Without a friction coefficient braked contacts that carry load never slip.  Forces are refused.
     """
-    return _verdicts(posture, gravity_dir, "every")[0]
+    return _verdicts(posture, gravity_dir, "every")[1]
 
 
-def may_hold(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
+def may_hold(posture: Posture, gravity_dir: ArrayLike) -> Bools:
     """Return True if one posture holds its place under some load that balances; else as `holds`.
 
     Where it may hold and does not hold for every load, the answer depends on how the contacts share
     the weight, on springs and on what is a little longer or shorter.
     """
-    return _verdicts(posture, gravity_dir, "some")[0]
+    return _verdicts(posture, gravity_dir, "some")[1]
 
 
-def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
+def rolls(posture: Posture, gravity_dir: ArrayLike) -> Bools:
     """Return True if one posture rolls away under every load that balances, (g,), see `holds`.
 
     True where it stands on a contact that rolls and does not even `may_hold`, also where it slides
     first; false where it tips and on level ground.  False is no promise that it stays.
     """
-    stays, rolling = _verdicts(posture, gravity_dir, "some")
+    _, stays, rolling = _verdicts(posture, gravity_dir, "some")
     return np.asarray(rolling & ~stays)
 
 
-def _verdicts(
-    posture: Posture, gravity_dir: ArrayLike, loads: Loads
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return where it stands and is held (g,), and where it stands on a contact that rolls (g,)."""
+def _verdicts(posture: Posture, gravity_dir: ArrayLike, loads: Loads) -> tuple[Bools, Bools, Bools]:
+    """Return where it stands, is held there, and stands on a contact that rolls, (g,) each."""
     directions = checked_directions(gravity_dir)
     posture.refuse_forces()
     recipe = posture.recipe
     angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
-    stays, rolling = np.zeros((2, len(directions)), np.bool_)
-    for d in np.flatnonzero(angle >= 0.0):
+    stands, (stays, rolling) = angle >= 0.0, np.zeros((2, len(angle)), np.bool_)
+    for d in np.flatnonzero(stands):
         facet = posture.under(directions[d])
         if facet is None:
             continue
@@ -222,7 +223,7 @@ def _verdicts(
             stays[d] = share >= NOTHING
         else:
             stays[d] = slope <= LEVEL or math.tan(slope) <= recipe.friction * share
-    return stays, rolling
+    return stands, stays, rolling
 
 
 def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
@@ -242,9 +243,9 @@ def hold_limits(posture: Posture, headings: ArrayLike) -> Floats:
     on level ground alone.
     """
 
-    def gives(down: Floats) -> NDArray[np.bool_]:
-        stands = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0] >= 0.0
-        return np.asarray(stands & ~holds(posture, down))
+    def gives(down: Floats) -> Bools:
+        stands, stays, _ = _verdicts(posture, down, "every")
+        return np.asarray(stands & ~stays)
 
     return first_tilts(posture, gives, headings, step=ROLL_STEP, halvings=ROLL_HALVINGS)[0]
 

@@ -36,7 +36,7 @@ class Edge:
     normal: Floats
     reach: float
     push: float
-    contacts: tuple[int, int]
+    contacts: tuple[str, str]
     ends: Floats
     held: Floats | None
     beyond: int
@@ -154,7 +154,7 @@ def _edge(
         if (points @ least_rotation(here, there).T @ wall >= 0.0).all():
             held = _slopes(points, frame)
     primitives = (region.edge[i]["primitive"] for i in (e, edge_after(region, e)))
-    i, j = (int(region.source[primitive]) for primitive in primitives)
+    i, j = (posture.recipe.contact_names[region.source[primitive]] for primitive in primitives)
     where, onto = _slopes(np.array(ends), frame), -1 if held is None else beyond
     return Edge(np.array([-x, -y]), -float(z), push, (i, j), where, held, onto)
 

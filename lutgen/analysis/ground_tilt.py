@@ -64,7 +64,6 @@ class GroundTilt:
     headings in which the ground was tilted before.
     """
 
-    posture: Posture
     pieces: tuple[Piece, ...]
     elsewhere: float
 
@@ -79,9 +78,7 @@ class GroundTilt:
         """
         if not self.pieces or math.isnan(heading):
             return ()
-        names = self.posture.recipe.contact_names
-        piece = self.pieces[self._at([heading])[1][0]]
-        return tuple(dict.fromkeys(names[i] for i in piece.over.contacts))
+        return tuple(dict.fromkeys(self.pieces[self._at([heading])[1][0]].over.contacts))
 
     @property
     def stands(self) -> bool:
@@ -145,20 +142,20 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     seats = posture.seats
     rests = np.flatnonzero(seats["is_rest"] == 1)
     if not len(rests) or _facet_under(posture, -frame[:, 2]) < 0:
-        return GroundTilt(posture, (), 0.0)
+        return GroundTilt((), 0.0)
     seat = seat_on(posture, int(rests[np.argmax(seats["normal"][rests] @ -frame[:, 2])]), frame)
     if any(edge.reach + edge.push < -ON for edge in seat.edges):
         # No rest carries it on level ground, where gravity pierces another one by chance.
-        return GroundTilt(posture, (), 0.0)
+        return GroundTilt((), 0.0)
     if posture.recipe.loaded:
         pieces = [Piece(-math.pi, math.pi, edge, edge) for edge in seat.edges]
-        return GroundTilt(posture, tuple(pieces), math.inf)
+        return GroundTilt(tuple(pieces), math.inf)
     starts, upright = {seat.group}, _facet_under(posture, np.array([0.0, 0.0, -1.0]))
     if upright >= 0:
         # Also from the rest that it is on with its body level, which may be another one.
         starts.add(int(seats[upright]["group"]))
     pieces = _tilted(posture, seat, (-math.pi, math.pi), None, ())
-    return GroundTilt(posture, tuple(pieces), _elsewhere(posture, frame, starts))
+    return GroundTilt(tuple(pieces), _elsewhere(posture, frame, starts))
 
 
 def _facet_under(posture: Posture, down: Floats) -> int:

@@ -16,7 +16,7 @@ from lutgen import support
 from lutgen.analysis.forces import Axle
 from lutgen.channels import acceptance_of, primitives_of, refuse_forces, region_of, wrenches
 from lutgen.errors import InputError, reject
-from lutgen.recipe import Postures, Recipe, body_parts, forward, radii_and_kinds, robot_size_of
+from lutgen.recipe import Postures, Recipe, body_parts, forward, robot_size_of
 from lutgen.vector import Floats, read3
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
@@ -31,9 +31,8 @@ class Facet:
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
     in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
-    inside, and `touching_points` (t, 3) theirs.  Only on one that `is_rest` the robot stands.
-    `axle` is one that swings there, if any; the corners then have the names of the nearest
-    contacts.  Body frame, recipe's unit.
+    inside, and `touching_points` (t, 3) theirs.  `axle` is one that swings there, if any; the
+    corners then have the names of the nearest contacts.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -43,7 +42,6 @@ class Facet:
     centroid: Floats
     touching: tuple[int, ...]
     touching_points: Floats
-    is_rest: bool
     axle: Axle | None = None
 
     @property
@@ -104,9 +102,8 @@ class Posture:
 
     @cached_property
     def primitives(self) -> Floats:
-        """The contacts as the kernels take them (n, 8), relative to the com."""
-        radii, kinds = radii_and_kinds(self.recipe)
-        return support.pack(self.placed.centres[0], self.placed.axes[0], radii, kinds)
+        """The contacts as the kernels take them (n, 8), relative to the com; then the axles."""
+        return np.asarray(primitives_of(self.recipe, self.placed)[0])
 
     @cached_property
     def wrench(self) -> Any:
@@ -116,8 +113,7 @@ class Posture:
     @cached_property
     def region(self) -> support.Region:
         """What stands and what tips, as the kernels have it."""
-        primitives = primitives_of(self.recipe, self.placed)[0]
-        return region_of(primitives, acceptance_of(self.recipe))
+        return region_of(self.primitives, acceptance_of(self.recipe))
 
     @property
     def seats(self) -> NDArray[np.void]:
@@ -169,7 +165,6 @@ def _facet(region: support.Region, k: int) -> Facet:
         seat["centroid"].copy(),
         tuple(int(source[i]) for i in (*first, *others)),
         np.vstack([points[: len(first)], np.array(inner).reshape(-1, 3)]),
-        bool(seat["is_rest"]),
         _axle(region.axle[seat["facet"]], others) if facet["swings"] else None,
     )
 
@@ -193,7 +188,7 @@ def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
         return {}
     # Sizes are the robot's, not those of a robot on all its parts.
     least = SLACK * robot_size_of(recipe)
-    body = Posture(replace(recipe, contacts=parts), posture.params).primitives
+    body = Posture(replace(recipe, contacts=parts, axles=()), posture.params).primitives
     x, y, z = facet.normal.tolist()
     result: dict[str, float] = {}
     for i, part in enumerate(parts):

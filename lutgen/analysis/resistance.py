@@ -114,9 +114,7 @@ def _best_aside(
 
 
 @njit()
-def least_resistance(
-    motion: Floats, loads: Floats, arm: Floats, roll: Floats, enough: float = math.inf
-) -> float:
+def least_resistance(motion: Floats, loads: Floats, arm: Floats, roll: Floats) -> float:
     """Return the least resistance, per unit of friction, of all motions that go 1 downhill.
 
     Each motion meets the load, among several, that resists it most.  That is the largest resistance
@@ -126,7 +124,7 @@ def least_resistance(
     of the normal force, `arm` (k, 2) leads from below the com to the contact points, x downhill, in
     units of the robot's size, and `roll` (k, 2) are the unit rolling directions of the discs.  In
     [0, 1] but for rounding: 1 where all contacts are braked, 0 where gravity finds a motion in
-    which all contacts that carry load roll.  Where it is at least `enough`, so is what is returned.
+    which all contacts that carry load roll.
     """
     low, high = -1.0, 1.0
     left, left_below, left_slope = _best_aside(motion, loads, arm, roll, low)
@@ -145,8 +143,7 @@ def least_resistance(
         if look % 3 == 2:
             # Places may have any size, so the middle is that of their logarithms.
             place = math.sinh((math.asinh(low) + math.asinh(high)) / 2.0)
-        known = below >= enough or least - below <= KNOWN * (1.0 + least)
-        if known or not low < place < high:
+        if least - below <= KNOWN * (1.0 + least) or not low < place < high:
             break
         here, here_below, slope = _best_aside(motion, loads, arm, roll, place)
         least = min(least, here)
@@ -156,21 +153,4 @@ def least_resistance(
             low, left_below, left_slope = place, here_below, slope
         else:
             high, right_below, right_slope = place, here_below, slope
-    return least
-
-
-@njit()
-def least_of_each(motion: Floats, loads: Floats, arm: Floats, roll: Floats) -> float:
-    """Return the least resistance under the worst of some loads (c, k), 1 at most.
-
-    Only the contacts that carry some of a load count for it.  It is quicker if loads that rest
-    little on braked contacts come first: of most others a bound is enough then.
-    """
-    least = 1.0
-    for c in range(len(loads)):
-        able = np.flatnonzero(loads[c] > 0.0)
-        if not (motion[able] == BRAKED).all():
-            load = loads[c : c + 1, able].copy()
-            found = least_resistance(motion[able], load, arm[able], roll[able], least)
-            least = min(least, found)
     return least

@@ -196,36 +196,30 @@ class Feet(Table):
 def read_footing(path: str) -> Footing:
     """Read the feet and the centre of mass; a file with any fault raises RecipeError."""
     feet = read_tables(read_text(path), path, Feet)
-    refuse(path, _faults(feet))
+    names = [foot.name or f"P{place}" for place, foot in enumerate(feet.foot, 1)]
+    friction = [feet.friction if foot.friction is None else foot.friction for foot in feet.foot]
+    refuse(path, _faults(names, None in friction))
     down = unit(feet.gravity)
     # Zero has no sign, not even turned round.
     up = [0.0 - part for part in down]
     return Footing(
         feet.title or Path(path).stem,
         feet.length_unit,
-        tuple(_names(feet)),
+        tuple(names),
         points=np.array([foot.position for foot in feet.foot]),
         normals=np.array([unit(foot.normal) if foot.normal else up for foot in feet.foot]),
-        friction=np.array([_friction(feet, foot) for foot in feet.foot]),
+        friction=np.array(friction),
         com=np.array(feet.com),
         gravity_dir=np.array(down),
     )
 
 
-def _names(feet: Feet) -> list[str]:
-    return [foot.name or f"P{place}" for place, foot in enumerate(feet.foot, 1)]
-
-
-def _friction(feet: Feet, foot: Foot) -> float | None:
-    return feet.friction if foot.friction is None else foot.friction
-
-
-def _faults(feet: Feet) -> Iterator[Fault]:
-    if not feet.foot:
+def _faults(names: list[str], smooth: bool) -> Iterator[Fault]:
+    """Yield what is wrong with feet of these names, one of which is `smooth`: without friction."""
+    if not names:
         yield Fault("foot", "is missing", NOTHING, "add a [[foot]] for each contact")
-    if any(_friction(feet, foot) is None for foot in feet.foot):
+    if smooth:
         yield Fault("friction", "is missing", NOTHING, "write for example friction = 0.5")
-    names = _names(feet)
     for place, name in enumerate(names, 1):
         # The name that it would have may be taken.
         if name in names[: place - 1]:

@@ -9,7 +9,7 @@ result is written into the text of a recipe.
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,13 +100,15 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     say, the result's deviations grow with them.  Refused are unknown contacts, contacts in the air,
     and loads that no mass explains.
     """
-    start = _start(recipe, readings)
+    mass = math.fsum(link.mass for link in recipe.links)
+    read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
+    # The recipe's own mass and no shift; without masses, the most that the scales read.
+    start = np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
     centres = Posture(recipe, readings[0].params).placed.centres[0]
     size = float(np.linalg.norm(centres, axis=1).max()) or 1.0
     estimate, scale = start, start[0] * np.array([1.0, size, size, size])
-    weighed = any(isinstance(one, Weighing) for one in readings)
     # Tilts alone do not determine the mass, which stays.
-    free = scale if weighed else scale * [0.0, 1.0, 1.0, 1.0]
+    free = scale if read else scale * [0.0, 1.0, 1.0, 1.0]
     for _ in range(ROUNDS if any(isinstance(one, Tipping) for one in readings) else 1):
         parts = [_equations(recipe, one, estimate) for one in readings]
         row, value, unit = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -120,17 +122,10 @@ def weigh(recipe: Recipe, readings: Sequence[Reading]) -> Weighed:
     freedom = len(value) - (4 - unknown.shape[1])
     grown = max(1.0, float(rest @ rest) / freedom) if freedom else 1.0
     mass_std, com_std, spread = _deviations(estimate, grown * covariance, unknown)
-    mass_std = mass_std if weighed else math.inf
+    mass_std = mass_std if read else math.inf
     advice = _advice(recipe, readings, estimate, row, scale)
     mass, shift = float(estimate[0]), estimate[1:] / estimate[0]
     return Weighed(mass, mass_std, shift, com_std, spread, rest * unit, advice)
-
-
-def _start(recipe: Recipe, readings: Sequence[Reading]) -> Floats:
-    """Return the recipe's own mass and no shift; without masses, the mass that the scales read."""
-    mass = math.fsum(link.mass for link in recipe.links)
-    read = [math.fsum(one.loads.values()) for one in readings if isinstance(one, Weighing)]
-    return np.array([mass or max(read, default=1.0) or 1.0, 0.0, 0.0, 0.0])
 
 
 def _seated(
@@ -231,8 +226,14 @@ def _advice(
     """Return the weighing after which the com is known best, or None."""
     accuracies = [one.accuracy for one in readings if isinstance(one, Weighing)]
     accuracy = min(accuracies, default=0.01 * float(estimate[0]))
+    home = recipe.home_params
+    ends = [(i, end) for i, p in enumerate(recipe.parameters) for end in (p.minimum, p.maximum)]
+    # Home and each end of a parameter, level and tilted.
+    rows = [home, *((*home[:i], end, *home[i + 1 :]) for i, end in ends)]
+    headings = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)
+    slopes = [(0.0, 0.0), *((PROPOSED, heading) for heading in headings)]
     best = None
-    for params, slope, heading in _candidates(recipe):
+    for params, (slope, heading) in itertools.product(rows, slopes):
         facet, down = _seated(recipe, params, slope, heading)
         start, stop = facet.points, np.roll(facet.points, -1, axis=0)
         walls = np.cross(start, stop)
@@ -245,17 +246,6 @@ def _advice(
         if best is None or spread < best.com_std:
             best = Advice(params, slope, heading, spread)
     return best
-
-
-def _candidates(recipe: Recipe) -> Iterator[tuple[tuple[float, ...], float, float]]:
-    """Yield postures, slopes and headings: home and each end of a parameter, level and tilted."""
-    home = recipe.home_params
-    ends = [(i, end) for i, p in enumerate(recipe.parameters) for end in (p.minimum, p.maximum)]
-    rows = [home, *((*home[:i], end, *home[i + 1 :]) for i, end in ends)]
-    headings = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)
-    slopes = [(0.0, 0.0), *((PROPOSED, heading) for heading in headings)]
-    for row, (slope, heading) in itertools.product(rows, slopes):
-        yield tuple(row), slope, heading
 
 
 def correction(recipe: Recipe, found: Weighed) -> dict[str, float | list[float]]:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,29 +30,22 @@ BOUNDLESS = 49.9
 class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     over: tuple[str, float, float] | None = option(
-        type=given.Numbers(*given.RANGE),
-        help="Also over postures: a parameter from one end to the other.",
+        "Also over postures: a parameter from one end to the other."
     )
-    steps: int = option(
-        type=given.Number(int, 2, MOST), default=5, help="How many values of --over."
-    )
+    steps: int = option("How many values of --over.", low=2, high=MOST, default=5)
     slope: str = option(
+        "Slopes of the ground, deg; one alone is a number.",
         default="0:30:10",
         metavar="FROM:TO:STEP",
-        help="Slopes of the ground, deg; one alone is a number.",
     )
     heading: float = option(
+        "How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
         default=0.0,
-        help="How the slope faces, deg from the nose to the left: 0 nose down, 90 left side down.",
     )
-    turn: float = given.positive(default=2.0, help="Radius of the turn whose speed is printed, m.")
-    headings: int = option(default=8, help="How many have a stop speed; a multiple of 4.")
-    bump: float = option(
-        type=given.Number(float, 0.0),
-        default=0.0,
-        help="Height of a bump below one contact as it stops, m.",
-    )
-    output: str | None = given.output(help="CSV file of the table.")
+    turn: float = option("Radius of the turn whose speed is printed, m.", above=0.0, default=2.0)
+    headings: int = option("How many have a stop speed; a multiple of 4.", default=8)
+    bump: float = option("Height of a bump below one contact as it stops, m.", low=0.0, default=0.0)
+    output: str | None = given.output("CSV file of the table.")
     force: bool = given.force()
 
 
@@ -117,36 +110,27 @@ def budget_rows(
     ground = analysis.tilted(np.radians(slope), math.radians(options.heading))
     down = evaluation.body_gravity(robot, params, ground, "plane")
     found = {
-        f"{name.replace(' ', '_')}_m_s2": analysis.budgets(
-            robot, params, down, np.tile(way, (len(params), 1))
-        )
+        f"{name.replace(' ', '_')}_m_s2": analysis.budgets(robot, params, down, way)
         for name, way in WAYS.items()
     }
     sides = np.minimum(found["turning_left_m_s2"], found["turning_right_m_s2"])
     found["turn_speed_m_s"] = analysis.turn_speed(sides, options.turn)
-    return [
-        {
-            "posture": output.by_unit(robot, params[i]),
+    around = analysis.even_headings(options.headings)
+    names, rows = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()], []
+    for i, row in enumerate(params):
+        stops = analysis.stop_speeds(analysis.Posture(robot, row), down[i], around, options.bump)
+        entries = {
+            "posture": output.by_unit(robot, row),
             "slope_deg": float(slope[i]),
             **{key: float(values[i]) for key, values in found.items()},
-            **stop_entries(robot, params[i], down[i], options),
+            "stop_speed_m_s": stops.anyhow,
+            "stop_speeds_m_s": dict(zip(names, stops.all_at_once.tolist(), strict=True)),
         }
-        for i in range(len(params))
-    ]
+        rows.append(entries)
+    return rows
 
 
-def stop_entries(
-    robot: "robots.Recipe", params: "Floats", down: "Floats", options: Options
-) -> dict[str, Any]:
-    """Return the speeds from which a stop does not tip one posture, by heading (deg)."""
-    around = analysis.even_headings(options.headings)
-    found = analysis.stop_speeds(analysis.Posture(robot, params), down, around, options.bump)
-    names = [f"{heading:g}" for heading in np.degrees(around).round(6).tolist()]
-    speeds = dict(zip(names, found.all_at_once.tolist(), strict=True))
-    return {"stop_speed_m_s": found.anyhow, "stop_speeds_m_s": speeds}
-
-
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     facing = FACING.get(report["heading_deg"] % 360.0, f"heading {report['heading_deg']:g} deg")
     yield f"{report['robot']}: acceleration before it tips over; slopes {facing}"
@@ -155,37 +139,36 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
         "at the last speed"
     )
     for posture, group in itertools.groupby(report["budgets"], lambda row: row["posture"]):
-        rows, group_rows = [["slope", *WAYS, "turn at"]], list(group)
-        for row in group_rows:
+        rows = list(group)
+        yield output.posture_text(posture)
+        yield ["slope", *WAYS, "turn at"]
+        for row in rows:
             limits = [limit_text(row[f"{name.replace(' ', '_')}_m_s2"]) for name in WAYS]
             speed = output.cell(row["turn_speed_m_s"], ".2f", " m/s")
-            rows.append([output.cell(row["slope_deg"], "g", " deg"), *limits, speed])
-        yield output.posture_text(posture)
-        yield from output.aligned(rows)
-        yield from stop_lines(group_rows, report["bump_m"])
+            yield [output.cell(row["slope_deg"], "g", " deg"), *limits, speed]
+        yield from stop_lines(rows, report["bump_m"])
 
 
-def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[str]:
+def stop_lines(rows: list[dict[str, Any]], bump: float) -> Iterator[Sequence[str]]:
     """Return the speeds of stops as text, if there are any."""
     if rows[0]["stop_speed_m_s"] is None:
         return
     on = f" on a bump of {bump:g} m" if bump else ""
     yield f"highest speed (m/s) at which a dead stop{on} does not tip it, by heading to the left"
     headings = [f"{heading} deg" for heading in rows[0]["stop_speeds_m_s"]]
-    table = [["slope", *headings, "one contact"]]
+    yield ["slope", *headings, "one contact"]
     for row in rows:
         speeds = [*row["stop_speeds_m_s"].values(), row["stop_speed_m_s"]]
-        table.append([output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)])
-    yield from output.aligned(table)
+        yield [output.cell(row["slope_deg"], "g", " deg"), *map(speed_text, speeds)]
 
 
 def speed_text(speed: float | None) -> str:
     """Return a speed as text, rounded down; none where it never tips."""
-    return "none" if speed is None else f"{math.floor(100.0 * speed) / 100.0:.2f}"
+    return "none" if speed is None else f"{analysis.rounded_down(speed):.2f}"
 
 
 def limit_text(value: float) -> str:
     """Return a limit as text, rounded down."""
     if value <= 0.0:
         return output.VERDICTS["tips"]
-    return "none" if value >= BOUNDLESS else f"{math.floor(100.0 * value) / 100.0:.2f} m/s2"
+    return "none" if value >= BOUNDLESS else f"{analysis.rounded_down(value):.2f} m/s2"

@@ -1,7 +1,7 @@
 """`lutgen control`: the C steers a robot over rough ground, in a closed loop."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 from lutgen.cli import options as given
 from lutgen.cli.lazy import Floats, np, onboard, searches
 from lutgen.cli.options import command, open_recipe, option, stored_values
-from lutgen.cli.output import VERDICTS, aligned, by_unit, show
+from lutgen.cli.output import VERDICTS, by_unit, show
 from lutgen.cli.path import PAPER, RunOptions, check_run, open_terrain, save_run, vector_columns
 from lutgen.errors import InputError, reject
 
@@ -23,38 +23,34 @@ WITHOUT, WITH = "without control", "with control"
 @dataclass(frozen=True)
 class Options(RunOptions):
     terrain: str = option(
+        "As of `lutgen path`: the paper's path, or columns x,y,z and more.",
         default=PAPER,
         metavar="paper|FILE.csv",
-        help="As of `lutgen path`: the paper's path, or columns x,y,z and more.",
     )
-    log: str | None = option(
-        type=given.Named(),
-        metavar="FILE.csv",
-        help="Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
+    log: str | None = given.file(
+        "Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
         "gyroscope, and each parameter.",
+        metavar="FILE.csv",
     )
     turn: float = option(
-        default=0.0, help="Turn the robot by this angle against the path's heading, deg."
+        "Turn the robot by this angle against the path's heading, deg.", default=0.0
     )
-    speed: float | None = given.positive(
-        help="Along the path, length per second.  [default: a cycle at each point]"
+    speed: float | None = option(
+        "Along the path, length per second.  [default: a cycle at each point]", above=0.0
     )
     latency: float | None = option(
-        type=given.Number(float, 0.0),
-        help="From sample to motion, s; a cycle at least.  [default: the policy's]",
+        "From sample to motion, s; a cycle at least.  [default: the policy's]", low=0.0
     )
-    rate: tuple[tuple[str, float], ...] = given.values(
-        help="How fast a joint is, per second; repeat.  [default: the policy's]"
+    rate: tuple[tuple[str, float], ...] = option(
+        "How fast a joint is, per second; repeat.  [default: the policy's]"
     )
     noise: float = option(
-        type=given.Number(float, 0.0),
-        default=0.0,
-        help="Standard deviation of each axis of the accelerometer, m/s2.",
+        "Standard deviation of each axis of the accelerometer, m/s2.", low=0.0, default=0.0
     )
-    seed: int = option(default=0, help="Seed of the noise.")
-    no_gyroscope: bool = option(is_flag=True, help="The robot has none.")
-    objective: str | None = option(help="Objective of the policy that is made for a recipe.")
-    cycle: float | None = given.positive(help="Cycle of that policy, s.  [default: 1]")
+    seed: int = option("Seed of the noise.", default=0)
+    no_gyroscope: bool = option("The robot has none.")
+    objective: str | None = option("Objective of the policy that is made for a recipe.")
+    cycle: float | None = option("Cycle of that policy, s.  [default: 1]", above=0.0)
 
 
 @command("source", Options)
@@ -179,22 +175,20 @@ def columns_of(steering: "onboard.Steering", loop: "onboard.Loop") -> dict[str, 
     }
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     ground = "the paper's path" if report["ground"] == PAPER else report["ground"]
     yield (
         f"{report['robot']} on {ground}: {report['cycles']} cycles of {report['cycle_s']:g} s, "
         f"commands late by {report['late_by_cycles']}"
     )
-    yield from aligned(
-        [
+    for run in report["runs"]:
+        yield [
             run["name"],
             f"{VERDICTS['tips']} in {run['tips']} cycles ({100.0 * run['share']:.3g} %)",
             f"least tip angle {run['least_tip_angle_deg']:.4g} deg",
             f"median {run['median_tip_angle_deg']:.4g} deg",
         ]
-        for run in report["runs"]
-    )
     yield f"it tips over only with control in {report['tips_only_with_control']} cycles"
     moves = ", ".join(f"{name} {count}" for name, count in report["moves"].items() if count)
     yield f"smap_step: {moves}; alarm 0 to 3: {', '.join(map(str, report['alarms']))}"

@@ -24,11 +24,10 @@ class Options(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
     acceleration: tuple[float, float, float] | None = given.option(
+        "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside gravity. "
+        "Leave it out where gravity comes from an accelerometer, which reads both.",
         "-a",
         type=given.Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
-        help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
-        "gravity. Leave it out where gravity comes from an accelerometer, which reads "
-        "both.",
     )
 
 
@@ -176,7 +175,7 @@ def export_report(
     }
 
 
-def lines(report: dict[str, Any]) -> Iterator[str]:
+def lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     status = "stands" if report["standing"] else "tips"
     if report["standing"] and report.get("status") == "rocks":
@@ -184,7 +183,7 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
     unknown = "unknown: off the chart" if not report.get("on_chart", True) else "unknown: off range"
     verdict = unknown if report["standing"] is None else output.VERDICTS[status]
     yield f"{report['robot']} ({report['source']}): {verdict}"
-    yield from output.aligned(entries(report, output.unit_text(report["length_unit"])))
+    yield from entries(report, output.unit_text(report["length_unit"]))
     if "normal_forces" in report:
         yield f"normal forces, shares of their sum ({report['normal_forces_kind']}):"
         rough = report["heuristic_forces_eq12"]

@@ -2,16 +2,16 @@
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import click
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import exports, folders, maps, onboard
 from lutgen.cli.options import RecipeOptions, command, log, open_source, option, stored_values
-from lutgen.cli.output import aligned, entries, show
+from lutgen.cli.output import entries, show
 from lutgen.quantities import EXPORTABLE
 
 
@@ -19,73 +19,61 @@ from lutgen.quantities import EXPORTABLE
 class FolderOptions(RecipeOptions):
     """Options of every command that writes a folder of C."""
 
-    output: str = given.output(required=True, help="The folder; it appears when whole.")
-    name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
+    output: str = given.output("The folder; it appears when whole.", required=True)
+    name: str | None = option("C identifier of the map.  [default: the robot's name]")
 
 
 @dataclass(frozen=True)
 class ExportOptions(FolderOptions):
     force: bool = given.force()
     flash: str | None = option(
-        metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
+        "Most bytes of tables and code: 16KiB, 64k (of 1000), 4096.", metavar="SIZE"
     )
     max_error: str | None = option(
-        metavar="X", help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit."
+        "Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.", metavar="X"
     )
     channels: str | None = option(
+        f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
         metavar="A,B",
-        help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
     # Their names come from `codecs` below: importing that takes longer than --help may.
     codec: str = option(
+        "auto, or the only one that may be used; any other name is answered with all.",
         metavar="NAME",
         default="auto",
-        help="auto, or the only one that may be used; any other name is answered with all.",
     )
-    arithmetic: str = option(
-        type=click.Choice(("float", "integer")),
-        default="float",
-        help="integer: for processors without floating point.",
+    arithmetic: Literal["float", "integer"] = option(
+        "integer: for processors without floating point.", default="float"
     )
 
 
 @dataclass(frozen=True)
 class PolicyOptions(FolderOptions):
     objective: str = option(
-        default="tip_angle",
-        help="tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
+        "tip_angle; tip_angle-X*move2, less a price of moving from home; move, the smallest "
         "that keeps --margin; sdg, as the paper has it.",
+        default="tip_angle",
     )
     within: float = option(
-        default=1.0, help="Take the smoothest of all postures within so many deg of the best."
+        "Take the smoothest of all postures within so many deg of the best.", default=1.0
     )
-    nodes: int = option(
-        type=given.Number(int, 2, 65), default=9, help="Nodes of the table along either slope."
+    nodes: int = option("Nodes of the table along either slope.", low=2, high=65, default=9)
+    slope: float = option("Steepest slope of the table, deg.", above=0.0, high=89.0, default=45.0)
+    home: tuple[tuple[str, float], ...] = option(
+        "Posture where nothing else matters; repeat for each."
     )
-    slope: float = option(
-        type=given.Number(float, 0.0, 89.0, open=True),
-        default=45.0,
-        help="Steepest slope of the table, deg.",
+    rate: tuple[tuple[str, float], ...] = option(
+        "How fast a parameter changes, per second; repeat."
     )
-    home: tuple[tuple[str, float], ...] = given.values(
-        help="Posture where nothing else matters; repeat for each."
-    )
-    rate: tuple[tuple[str, float], ...] = given.values(
-        help="How fast a parameter changes, per second; repeat."
-    )
-    delta: tuple[tuple[str, float], ...] = given.values(
-        help="How far from the driver's request; repeat."
-    )
-    cycle: float = given.positive(default=0.02, help="Time of a cycle, s.")
-    latency: float = given.positive(default=0.06, help="From sample to motion, s.")
-    margin: float = given.positive(default=3.0, help="Tip angle that every way is to keep, deg.")
+    delta: tuple[tuple[str, float], ...] = option("How far from the driver's request; repeat.")
+    cycle: float = option("Time of a cycle, s.", above=0.0, default=0.02)
+    latency: float = option("From sample to motion, s.", above=0.0, default=0.06)
+    margin: float = option("Tip angle that every way is to keep, deg.", above=0.0, default=3.0)
     convention: str = given.convention(
         "plane", "body", "The robot leans as its shape makes it, or keeps its attitude."
     )
     poses: int = option(
-        type=given.Number(int, 1, 2),
-        default=1,
-        help="Poses that a cycle may make of many contacts, 1 or 2.",
+        "Poses that a cycle may make of many contacts, 1 or 2.", low=1, high=2, default=1
     )
 
 
@@ -125,19 +113,20 @@ def export(source: str, options: ExportOptions) -> None:
     show({"directory": options.output, **report}, export_lines)
 
 
-def export_lines(report: dict[str, Any]) -> Iterator[str]:
+def export_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
-    rows = [("flash", folders.bytes_text(report["bytes"]))]
+    yield "flash", folders.bytes_text(report["bytes"])
     for name, errors in folders.errors_of(report).items():
         said = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
-        rows.append((name, said or "errors not measured"))
+        yield name, said or "errors not measured"
     unsafe, guard = report["false_safe"], f"guard {report['guard_deg']:.3g} deg"
     given_up = f"{folders.share(report['false_tip'])} of the stable configurations reported unsafe"
     tested = "not certified" if unsafe is None else f"{unsafe} points said to stand that tip"
-    rows.append(("verdict", f"{guard}, {given_up}, {tested}"))
-    rows += [("note", note) for note in (report["certificate"] or {}).get("text", ())]
-    yield from aligned([*rows, ("folder", report["directory"])])
+    yield "verdict", f"{guard}, {given_up}, {tested}"
+    for note in (report["certificate"] or {}).get("text", ()):
+        yield "note", note
+    yield "folder", report["directory"]
 
 
 @command("source", PolicyOptions)
@@ -170,18 +159,15 @@ def policy(source: str, options: PolicyOptions) -> None:
     show({"directory": options.output, **report, "loss": loss}, policy_lines)
 
 
-def policy_lines(report: dict[str, Any]) -> Iterator[str]:
+def policy_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     policy, loss = report["policy"], report["loss"]
     yield f"{report['name']}: {report['spec']}, steered by a table of {policy['table_bytes']} bytes"
     losses = f"{loss['mean']:.2g} deg mean, {loss['p95']:.2g} p95, {loss['largest']:.2g} largest"
     steps = f"{loss['step']:.3g} deg between nodes at most; the best alone jumps"
+    yield "loss", f"{losses}, against the best posture on {loss['slopes']} slopes"
+    yield "steps", f"{steps} {loss['best_step']:.3g}"
     tips = f"on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands"
-    rows = [
-        ("loss", f"{losses}, against the best posture on {loss['slopes']} slopes"),
-        ("steps", f"{steps} {loss['best_step']:.3g}"),
-        ("tips over", tips),
-        ("state", f"{4 * policy['state_words']} bytes of RAM and those of an address"),
-        ("folder", report["directory"]),
-    ]
-    yield from aligned(rows)
+    yield "tips over", tips
+    yield "state", f"{4 * policy['state_words']} bytes of RAM and those of an address"
+    yield "folder", report["directory"]

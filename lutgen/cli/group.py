@@ -88,15 +88,6 @@ def _end(error: Exception) -> NoReturn:
     raise SystemExit(FAILED) from error
 
 
-def check_environment() -> None:
-    """Refuse settings of the environment that a library would answer with a traceback."""
-    threads = os.environ.get("NUMBA_NUM_THREADS")
-    if threads is not None and not (threads.isascii() and threads.isdigit() and int(threads[:6])):
-        what = "must be a whole number above 0"
-        way_out = "correct it in the environment, or unset it"
-        errors.reject("NUMBA_NUM_THREADS", what, repr(threads), way_out, errors.InputError)
-
-
 @click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("-v", "--verbose", count=True, help="Say more on stderr.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing on stderr but errors.")
@@ -119,7 +110,12 @@ def main(verbose: int, quiet: bool) -> None:
     handler.setFormatter(_Readable("lutgen: %(message)s"))
     logging.basicConfig(level=level, handlers=[handler])
     logging.getLogger("lutgen").setLevel(level)
-    check_environment()
+    # Numba would answer with a traceback.
+    threads = os.environ.get("NUMBA_NUM_THREADS", "1")
+    if not (threads.isascii() and threads.isdigit() and int(threads[:6])):
+        what = "must be a whole number above 0"
+        way_out = "correct it in the environment, or unset it"
+        errors.reject("NUMBA_NUM_THREADS", what, repr(threads), way_out, errors.InputError)
 
 
 for module in COMMANDS.split():

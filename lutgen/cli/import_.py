@@ -25,51 +25,40 @@ STANDS_NOWHERE = (
 
 @dataclass(frozen=True)
 class Options:
-    output: str = given.output(required=True, help="Recipe to write (.toml).")
-    name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
-    contacts: tuple[str, ...] = given.repeated(
-        "-c",
-        "--contact",
+    output: str = given.output("Recipe to write (.toml).", required=True)
+    name: str | None = option("The recipe's name; the robot's own by default.", "-n")
+    contacts: tuple[str, ...] = option(
+        "A link whose collision shapes touch the ground, or a point or sphere on it (m); repeat.",
+        "-c --contact",
         metavar="LINK[=X,Y,Z[,R]]",
-        help="A link whose collision shapes touch the ground, or a point or sphere on it (m); "
-        "repeat.",
     )
-    joints: tuple[str, ...] = given.repeated(
-        "-j", "--joint", help="A joint that becomes a parameter; repeat."
-    )
-    couples: tuple[str, ...] = given.repeated(
-        "--couple",
-        metavar="NAME=JOINT,...",
-        help="A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
+    joints: tuple[str, ...] = option("A joint that becomes a parameter; repeat.", "-j --joint")
+    couples: tuple[str, ...] = option(
+        "A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
         "a pattern ('*_hip') or of a group of the SRDF; or auto, a pattern or a group alone, "
         "of which groups by name and symmetry are proposed; repeat.",
+        "--couple",
+        metavar="NAME=JOINT,...",
     )
-    xacro: bool = option(
-        "-x", is_flag=True, help="Expand xacro: evaluates the file, reads its includes."
-    )
-    soft_limits: bool = option(
-        is_flag=True, help="Take the soft limits of <safety_controller> as the joints' limits."
-    )
-    force: bool = given.force(help="Write over a recipe that is there, and what was edited in it.")
-    assignments: tuple[tuple[str, float], ...] = given.repeated(
-        "-p",
-        "--parameter",
+    xacro: bool = option("Expand xacro: evaluates the file, reads its includes.", "-x")
+    soft_limits: bool = option("Take the soft limits of <safety_controller> as the joints' limits.")
+    force: bool = option("Write over a recipe that is there, and what was edited in it.")
+    assignments: tuple[tuple[str, float], ...] = option(
+        "Where a joint stands, in deg or m, before what an SRDF says; repeat.",
+        "-p --parameter",
         type=given.Numbers("JOINT=VALUE", "joint and value", "for example knee=-60"),
-        help="Where a joint stands, in deg or m, before what an SRDF says; repeat.",
     )
     posture: str | None = option(
-        metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
+        "The posture to stand in, of the SRDF; the likeliest by default.", metavar="NAME"
     )
-    srdf: str | None = option(
-        type=given.Named(), help="SRDF file with postures; by default one beside the description."
-    )
-    packages: tuple[str, ...] = given.repeated(
+    srdf: str | None = given.file("SRDF file with postures; by default one beside the description.")
+    packages: tuple[str, ...] = option(
+        "The folder of a ROS package with meshes, or that a .xacro file includes; repeat.",
         "--package",
         metavar="NAME=DIR",
-        help="The folder of a ROS package with meshes, or that a .xacro file includes; repeat.",
     )
-    arguments: tuple[str, ...] = given.repeated(
-        "--arg", metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
+    arguments: tuple[str, ...] = option(
+        "An argument of a .xacro file; repeat.", "--arg", metavar="NAME=VALUE"
     )
 
 

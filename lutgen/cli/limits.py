@@ -19,20 +19,17 @@ FIRST = {None: "-", True: "slides first", False: "tips first"}
 @dataclass(frozen=True)
 class Options(RecipeOptions, FigureOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
-    best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
-    headings: int = option(default=24, help="How many the table of --best has; a multiple of 4.")
+    over_all: bool = option("Also over all postures of the sweep.", "--all")
+    best: bool = option("Also the best posture of the sweep in each heading.")
+    headings: int = option("How many the table of --best has; a multiple of 4.", default=24)
     convention: str = given.convention(
-        "plane",
-        "body",
-        "Count body tilt from level ground under it, or from a level body.",
+        "plane", "body", "Count body tilt from level ground under it, or from a level body."
     )
     least_share: tuple[tuple[str, float], ...] = option(
+        "Also up to which body tilt a group or contact carries this share of the weight.",
         type=given.Numbers("NAME=SHARE", "share", "for example front=0.2"),
-        multiple=True,
-        help="Also up to which body tilt a group or contact carries this share of the weight.",
     )
-    output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
+    output: str | None = given.output("Figure (PNG, SVG or PDF).")
 
 
 @command("recipe", Options)
@@ -177,7 +174,7 @@ def angle_text(angle: float) -> str:
     return "never" if angle >= 180.0 - 1e-9 else f"{analysis.rounded_down(angle):.2f} deg"
 
 
-def limits_lines(report: dict[str, Any]) -> Iterator[str]:
+def limits_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     start = {"plane": "it stands on level ground", "body": "its body is level"}
     yield f"{report['robot']}: largest tilt before it tips over"
@@ -187,8 +184,8 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"body tilt: of the robot, as it senses it, from where {start[report['convention']]}"
     yield "ground tilt: slope of the ground, the robot seated on it anew at each tilt"
     rubs = report["friction"] is not None
-    head = ["heading", "body tilt", "ground tilt", "turns over", "friction"]
-    yield from output.aligned(row if rubs else row[:-1] for row in (head, *heading_rows(report)))
+    for row in heading_rows(report):
+        yield row if rubs else row[:-1]
     yield from guaranteed_lines(report)
     if rubs:
         yield (
@@ -204,15 +201,15 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         yield from all_lines(report["all_postures"])
     if "best_postures" in report:
         yield ""
-        rows = [["heading", "body tilt", "best posture"]]
-        for row in report["best_postures"]:
-            posture = output.posture_text(row["posture"])
-            rows.append([f"{row['heading_deg']:.1f} deg", angle_text(row["tilt_deg"]), posture])
-        yield from output.aligned(rows)
+        yield ["heading", "body tilt", "best posture"]
+        for best in report["best_postures"]:
+            posture = output.posture_text(best["posture"])
+            yield [f"{best['heading_deg']:.1f} deg", angle_text(best["tilt_deg"]), posture]
 
 
 def heading_rows(report: dict[str, Any]) -> Iterator[list[str]]:
     """Return the rows of the headings; that of the worst on the ground where it is another one."""
+    yield ["heading", "body tilt", "ground tilt", "turns over", "friction"]
     for row in report["limits"]:
         body, ground = (" - ".join(row[key]) or "-" for key in ("contacts", "ground_contacts"))
         same = ground == "-" or {*row["contacts"]} == {*row["ground_contacts"]}
@@ -247,19 +244,18 @@ def guaranteed_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"guaranteed ground tilt in every heading: {ground} ({words})"
 
 
-def all_lines(found: dict[str, Any]) -> Iterator[str]:
+def all_lines(found: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the limits over all postures as text."""
     tipping = found["tip_on_level_ground"]
     more = f", of which {tipping} tip over on level ground" if tipping else ""
-    rows = [["body tilt", "least", "at", "largest", "at"]]
+    yield ""
+    yield f"over {found['postures']} postures of the sweep{more}"
+    yield ["body tilt", "least", "at", "largest", "at"]
     ground = {"name": "ground tilt, guaranteed", **found["ground"]}
     for row, of in [*((row, "tilt") for row in found["limits"]), (ground, "guaranteed_tip")]:
         ends = ((row[f"{end}_{of}_deg"], row[f"{end}_at"]) for end in ("least", "largest"))
         cells = [text for tilt, at in ends for text in (angle_text(tilt), output.posture_text(at))]
-        rows.append([row["name"], *cells])
-    yield ""
-    yield f"over {found['postures']} postures of the sweep{more}"
-    yield from output.aligned(rows)
+        yield [row["name"], *cells]
     where = found["limits"][-1]["largest_at"]
     if where:
         yield f"best posture: {output.posture_text(where)}"

@@ -1,16 +1,14 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import click
+from typing import Any, Literal
 
 from lutgen.cli import options as given
 from lutgen.cli.lazy import robots, searches
 from lutgen.cli.options import RecipeOptions, command, log, option, stored_values
-from lutgen.cli.output import TIPS, VERDICTS, aligned, cell, entries, show, unit_text
+from lutgen.cli.output import TIPS, VERDICTS, cell, entries, show, unit_text
 from lutgen.errors import InputError, reject
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
@@ -20,41 +18,31 @@ from lutgen.quantities import QUANTITIES, RANKED
 class Options(RecipeOptions):
     gravity: tuple[float, float, float] = given.gravity()
     method: str = given.method(
-        help=(
-            "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
-            "mead: one simplex; multistart: many points, for objectives with several minima."
-        )
+        "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
+        "mead: one simplex; multistart: many points, for objectives with several minima."
     )
-    objective: str = option(
-        default="sdg", help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height."
-    )
+    objective: str = option(f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height.", default="sdg")
     convention: str = given.convention()
-    assignments: tuple[tuple[str, float], ...] = given.parameters(
-        help=(
-            "Keep this parameter at a value, in the recipe's unit, and search the others; "
-            "repeatable."
-        )
+    assignments: tuple[tuple[str, float], ...] = option(
+        "Keep this parameter at a value, in the recipe's unit, and search the others; repeatable.",
+        "-p --parameter",
     )
-    bounds: tuple[tuple[str, float, float], ...] = given.repeated(
-        type=given.Numbers(*given.RANGE),
-        help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
+    bounds: tuple[tuple[str, float, float], ...] = option(
+        "Where to search, in the recipe's unit; by default the recipe's range; repeatable."
     )
-    start: tuple[tuple[str, float], ...] = given.values(
-        help="Where nelder-mead and multistart begin; by default in the middle; repeatable."
+    start: tuple[tuple[str, float], ...] = option(
+        "Where nelder-mead and multistart begin; by default in the middle; repeatable."
     )
     limit: float | None = option(
-        type=float,
-        help="Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
-        "ranges; by default all geometries that stand are acceptable.",
+        "Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
+        "ranges; by default all geometries that stand are acceptable."
     )
-    levels: int = option(type=given.Number(int, 1), default=6, help="Steps of search.")
-    ends: str = option(
-        type=click.Choice(["left", "right"]),
-        default="left",
-        help="Which end of each of the 5 cells of search is a node.",
+    levels: int = option("Steps of search.", low=1, default=6)
+    ends: Literal["left", "right"] = option(
+        "Which end of each of the 5 cells of search is a node.", default="left"
     )
-    seed: int = option(type=given.Number(int, 0), default=0, help="Seed of multistart.")
-    trace: bool = option(is_flag=True, help="Print the steps of the method too.")
+    seed: int = option("Seed of multistart.", low=0, default=0)
+    trace: bool = option("Print the steps of the method too.")
 
 
 @command("recipe", Options)
@@ -159,7 +147,7 @@ def steps(robot: "robots.Recipe", found: "searches.Optimum") -> list[dict[str, A
     ]
 
 
-def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
+def optimum_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     length, parameters = unit_text(report["length_unit"]), report["parameters"]
     verdict = f"stands, {report['objective']} {text(report, length)}"
@@ -167,16 +155,14 @@ def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
         verdict = f"{VERDICTS['tips']} in every geometry tried, least in this one"
     evaluations = f"{report['evaluations']} evaluations"
     yield f"{report['robot']}, {report['method']}: {verdict}, {evaluations}"
-    rows = []
     for name, part in parameters.items():
-        acceptable = [*values_of(part, "acceptable")[0]]
-        rows.append([f"  {name}", text(part, length)])
+        acceptable, more = [*values_of(part, "acceptable")[0]], list[str]()
         if part["kept"]:
-            rows[-1].append("kept")
+            more = ["kept"]
         elif None not in acceptable:
             low, high = map(cell, acceptable)
-            rows[-1] += [f"+- {text(part, length, 'delta')}", f"acceptable {low} to {high}"]
-    yield from aligned(rows)
+            more = [f"+- {text(part, length, 'delta')}", f"acceptable {low} to {high}"]
+        yield [f"  {name}", text(part, length), *more]
     last = report["last"]["parameters"]
     if any(text(last[name], length) != text(parameters[name], length) for name in last):
         yield f"last node, worse than the best seen: {node(report['last'], length)}"

@@ -1,12 +1,15 @@
 """Inputs of commands: options as a dataclass, texts as numbers, and a source to work on."""
 
+import contextlib
 import functools
 import inspect
 import logging
+import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
 
 import click
 
@@ -17,12 +20,9 @@ log = logging.getLogger("lutgen")
 
 # The largest number of a recipe, too.
 LARGEST = 1e12
+LIMITS = ("low", "high", "above")
 # The end of a file name that means a map; a file of another name says so by its first bytes.
 MAPS = (".h5", ".hdf5", ".nc")
-# The metavar, article and example of each kind of several numbers.
-DIRECTION = ("X,Y,Z", "direction", "three numbers such as 0,0,-1")
-VALUE = ("NAME=VALUE", "assignment", "for example alpha=30")
-RANGE = ("NAME=LOW:HIGH", "range", "for example alpha=20:40")
 
 
 def finite_numbers(value: object, separator: str = ",") -> tuple[float, ...]:
@@ -37,15 +37,12 @@ def finite_numbers(value: object, separator: str = ",") -> tuple[float, ...]:
 
 
 class Number(click.ParamType):  # type: ignore[type-arg]
-    """A number in plain digits, of a kind and between limits that commands can compute with.
-
-    `low` itself is no such number if the limit is `open`.
-    """
+    """A number in plain digits, of a kind and between limits that commands can compute with."""
 
     def __init__(
-        self, kind: type, low: float = -LARGEST, high: float = LARGEST, open: bool = False
+        self, kind: type, low: float = -LARGEST, high: float = LARGEST, above: float = -math.inf
     ) -> None:
-        self.kind, self.low, self.high, self.open = kind, low, high, open
+        self.kind, self.low, self.high, self.above = kind, low, high, above
         self.name = "integer" if kind is int else "float"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -54,14 +51,10 @@ class Number(click.ParamType):  # type: ignore[type-arg]
         if len(numbers) != 1 or self.kind(numbers[0]) != numbers[0]:
             kind = "whole number" if self.kind is int else "number"
             self.fail(f"{value!r} is no {kind} of plain digits up to 1e12", param, ctx)
-        if not self.low <= numbers[0] <= self.high or (self.open and numbers[0] == self.low):
-            least = "above" if self.open else "at least"
-            limits = " and ".join(
-                f"{words} {end:,.0f}"
-                for words, end in ((least, self.low), ("at most", self.high))
-                if abs(end) < LARGEST
-            )
-            self.fail(f"{value} is not in the range: {limits}", param, ctx)
+        if not (self.low <= numbers[0] <= self.high and numbers[0] > self.above):
+            ends = (("above", self.above), ("at least", self.low), ("at most", self.high))
+            words = [f"{words} {end:,.0f}" for words, end in ends if abs(end) < LARGEST]
+            self.fail(f"{value} is not in the range: {' and '.join(words)}", param, ctx)
         return self.kind(numbers[0])
 
 
@@ -100,19 +93,44 @@ class Named(click.Path):
         return super().convert(value, param, ctx)
 
 
-KINDS: dict[Any, Any] = {float: Number(float), int: Number(int)}
+# Several numbers, by the annotation of their field.
+NUMBERS: dict[Any, Numbers] = {
+    tuple[float, float, float]: Numbers(
+        "X,Y,Z", "direction", "three numbers such as 0,0,-1", nonzero=True
+    ),
+    tuple[str, float]: Numbers("NAME=VALUE", "assignment", "for example alpha=30"),
+    tuple[str, float, float]: Numbers("NAME=LOW:HIGH", "range", "for example alpha=20:40"),
+}
 
 
-def option(*flags: str, **settings: Any) -> Any:
+def option(help: str = "", flags: str = "", **settings: Any) -> Any:
     """Return a field of a dataclass that `command` turns into an option of the command line.
 
-    It is called like the field where no long flag is given.  `settings` are those of
-    `click.Option`; the help shows each default that is given.
+    It is called like the field where no long flag is given.  Unless `settings`, those of
+    `click.Option`, have another type, it is of the kind of its annotation: a flag, a number with
+    the limits `low`, `high` and `above` of `Number`, some of `NUMBERS`, one of the words of a
+    `Literal`, a text, or as many of them as there are.
     """
-    settings.setdefault("show_default", "default" in settings)
-    kind = settings.get("type", type(settings.get("default")))
-    settings["type"] = KINDS.get(kind, settings.get("type"))
-    return field(metadata={"option": (flags, settings)})
+    return field(metadata={"option": (flags.split(), {"help": help or None, **settings})})
+
+
+def _parameter(part: Field[Any]) -> click.Option:
+    """Return the option of a field; the help shows each default that is given."""
+    flags, given = part.metadata["option"]
+    if not any(flag.startswith("--") for flag in flags):
+        flags = [*flags, f"--{part.name.replace('_', '-')}"]
+    parts = get_args(part.type)
+    multiple = Ellipsis in parts
+    kind = parts[0] if multiple or NoneType in parts else part.type
+    settings = {"show_default": "default" in given, "type": NUMBERS.get(kind), **given}
+    if kind is bool:
+        settings["is_flag"] = True
+    elif get_origin(kind) is Literal:
+        settings["type"] = click.Choice(parts)
+    elif kind in (int, float):
+        limits = {key: settings.pop(key) for key in LIMITS if key in settings}
+        settings["type"] = Number(kind, **limits)
+    return click.Option([part.name, *flags], multiple=multiple, **settings)
 
 
 def command(
@@ -124,30 +142,28 @@ def command(
     in the list of commands it has the first line.  The options come in the order of the fields,
     those that are inherited last, and then --json, which `output.show` looks for.
     """
-    argument = click.Argument([source], type=Named()) if isinstance(source, str) else source
+    if isinstance(source, str):
+        source = click.Argument([source], type=Named())
+    sources = [] if source is None else [source]
 
     def decorate(run: Callable[..., None]) -> click.Command:
         def callback(**given: Any) -> None:
-            first: list[Any] = [] if argument is None else [given.pop(str(argument.name))]
-            given.pop("as_json")
-            if source == "recipe":
+            first = [given.pop(str(one.name)) for one in sources]
+            if [one.name for one in sources] == ["recipe"]:
                 first = [open_recipe(first[0], given["allow_python"])]
+            del given["as_json"]
             run(*first, options(**given))
 
-        parameters: list[click.Parameter] = [] if argument is None else [argument]
         own = options.__annotations__
-        for part in sorted(fields(options), key=lambda part: part.name not in own):
-            flags, settings = part.metadata["option"]
-            if not any(flag.startswith("--") for flag in flags):
-                flags = (*flags, f"--{part.name.replace('_', '-')}")
-            parameters.append(click.Option([part.name, *flags], **settings))
-        flag = ["as_json", "--json"]
-        parameters.append(click.Option(flag, is_flag=True, help="Print the result as JSON."))
+        parts = sorted(fields(options), key=lambda part: part.name not in own)
+        as_json = click.Option(
+            ["as_json", "--json"], is_flag=True, help="Print the result as JSON."
+        )
         text, _, example = inspect.cleandoc(run.__doc__ or "").rpartition("\n\n\b\n")
         return click.Command(
             run.__name__.rstrip("_"),
             callback=callback,
-            params=parameters,
+            params=[*sources, *map(_parameter, parts), as_json],
             help=f"\b\n{example}\n\n{text}",
             short_help=text.partition("\n")[0],
         )
@@ -156,31 +172,24 @@ def command(
 
 
 Assignments = tuple[tuple[str, float], ...]
-force = functools.partial(
-    option, is_flag=True, help="Replace what is there also where lutgen did not make it."
-)
+force = functools.partial(option, "Replace what is there also where lutgen did not make it.")
 gravity = functools.partial(
     option,
+    "Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
     "-g",
-    type=Numbers(*DIRECTION, nonzero=True),
     default="0,0,-1",
-    help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
-repeated = functools.partial(option, multiple=True)
-positive = functools.partial(option, type=Number(float, 0.0, open=True))
 parameters = functools.partial(
-    repeated,
-    "-p",
-    "--parameter",
-    type=Numbers(*VALUE),
-    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
+    option,
+    "A geometry parameter, in the unit that the recipe gives it; repeat for each.  One that "
     "is left out is at the recipe's `home`, then in the middle of its range.",
+    "-p --parameter",
 )
-values = functools.partial(repeated, type=Numbers(*VALUE))
 method = functools.partial(
     option, type=click.Choice(("map", "nelder-mead", "search", "multistart")), default="search"
 )
-output = functools.partial(option, "-o", type=Named())
+file = functools.partial(option, type=Named())
+output = functools.partial(file, flags="-o")
 
 
 def convention(
@@ -189,7 +198,7 @@ def convention(
     help: str = "Gravity is fixed in the body, or relative to the plane that the robot stands on.",
 ) -> Any:
     """Return the option that says to what gravity is fixed; the help lists the default first."""
-    return option(type=click.Choice((default, other)), default=default, help=help)
+    return option(help, type=click.Choice((default, other)), default=default)
 
 
 @dataclass(frozen=True)
@@ -201,9 +210,7 @@ class NoOptions:
 class RecipeOptions:
     """Options of every command that reports on a recipe."""
 
-    allow_python: bool = option(
-        is_flag=True, help="Run the code that the recipe names (`python = ...`)."
-    )
+    allow_python: bool = option("Run the code that the recipe names (`python = ...`).")
 
 
 @dataclass(frozen=True)
@@ -211,22 +218,20 @@ class FigureOptions:
     """Options of every command that draws."""
 
     size: str | None = option(
-        metavar="WIDTH[xHEIGHT]", help="Size of the figure, mm.  [default: 203 wide]"
+        "Size of the figure, mm.  [default: 203 wide]", metavar="WIDTH[xHEIGHT]"
     )
     # Those of `lutgen.plot`, which takes a second to import.
-    style: str = option(
-        type=click.Choice(("journal", "dark")),
-        default="journal",
-        help="How the figure looks.",
-    )
+    style: Literal["journal", "dark"] = option("How the figure looks.", default="journal")
     force: bool = force()
 
 
 def open_source(path: str, allow_python: bool = False) -> "robots.Recipe | maps.StabilityMap":
     """Open a recipe or a map, whichever `path` names."""
-    if _is_map(path):
-        return maps.load_map(path)
-    return robots.load_recipe(path, allow_python=allow_python)
+    is_map = path.endswith(MAPS)
+    # The reader says why a file cannot be opened.
+    with contextlib.suppress(OSError), Path(path).open("rb") as file:
+        is_map = is_map or file.read(len(robots.HDF5)) == robots.HDF5
+    return maps.load_map(path) if is_map else robots.load_recipe(path, allow_python=allow_python)
 
 
 def open_recipe(path: str, allow_python: bool = False) -> "robots.Recipe":
@@ -239,17 +244,6 @@ def open_recipe(path: str, allow_python: bool = False) -> "robots.Recipe":
         return recipe
     # A map leaves the code alone, and so has a robot without contacts.
     return robots.parse_recipe(recipe.text, recipe.source, allow_python, urdf=recipe.urdf)
-
-
-def _is_map(path: str) -> bool:
-    if path.endswith(MAPS):
-        return True
-    try:
-        with Path(path).open("rb") as file:
-            return file.read(len(robots.HDF5)) == robots.HDF5
-    except OSError:
-        # The reader says why it cannot be opened.
-        return False
 
 
 def named_values(

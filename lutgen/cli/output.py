@@ -1,5 +1,6 @@
 """Output of commands: a report as JSON or in words, numbers for either, columns."""
 
+import itertools
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -25,17 +26,23 @@ VERDICTS = {"stands": "stands", "rocks": "rocks", "tips": "tips over"}
 
 def show(
     report: Mapping[str, Any],
-    lines: Callable[[dict[str, Any]], Iterable[str]],
+    lines: Callable[[dict[str, Any]], Iterable[Sequence[str]]],
     code: int = 0,
 ) -> None:
-    """Print a report as JSON, or the lines that say the same; exit with the code of its answer."""
-    values, as_json = plain(report), click.get_current_context().params["as_json"]
-    said = [json.dumps(values, indent=2, allow_nan=False)] if as_json else lines(values)
-    for line in said:
-        # A name may hold characters that a terminal obeys, or another line.
-        click.echo(line if as_json else one_line(line))
+    """Print a report as JSON, or the lines that say the same; exit with the code of its answer.
+
+    Among the lines may be rows of cells; those that follow each other are a table.
+    """
+    values, context = plain(report), click.get_current_context()
+    if context.params["as_json"]:
+        click.echo(json.dumps(values, indent=2, allow_nan=False))
+    else:
+        for of_text, group in itertools.groupby(lines(values), lambda one: isinstance(one, str)):
+            for line in map(str, group) if of_text else aligned(group):
+                # A name may hold characters that a terminal obeys, or another line.
+                click.echo(one_line(line))
     if code:
-        click.get_current_context().exit(code)
+        context.exit(code)
 
 
 def degrees(value: Any) -> Any:

@@ -18,19 +18,19 @@ ENDINGS = (".html", ".htm")
 
 @dataclass(frozen=True)
 class PlotOptions(given.RecipeOptions, given.FigureOptions):
-    output: str = given.output("--output", required=True, help="PNG, SVG or PDF file.")
-    kind: str = given.option(required=True, type=click.Choice(KINDS), help="Which figure.")
+    output: str = given.output("PNG, SVG or PDF file.", required=True)
+    kind: str = given.option("Which figure.", required=True, type=click.Choice(KINDS))
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
-    channel: str = given.option(default="tip_angle", help="Channel to draw.")
+    channel: str = given.option("Channel to draw.", default="tip_angle")
     axes: str | None = given.option(
-        help="Parameters along the axes, comma separated.  [default: the first one or two]"
+        "Parameters along the axes, comma separated.  [default: the first one or two]"
     )
     convention: str = given.convention()
     scale: tuple[float, float] | None = given.option(
+        "Least span of the colours, in the unit shown, so that figures compare.",
         nargs=2,
-        type=float,
-        help="Least span of the colours, in the unit shown, so that figures compare.",
+        type=given.Number(float),
     )
 
 
@@ -75,14 +75,14 @@ def plot(source: str, options: PlotOptions) -> None:
 
 @dataclass(frozen=True)
 class ExploreOptions(given.RecipeOptions):
-    output: str = given.output(required=True, help="The page, an HTML file.")
+    output: str = given.output("The page, an HTML file.", required=True)
     force: bool = given.force()
 
 
 @dataclass(frozen=True)
 class PaperOptions:
     output: str = given.option(
-        "-o", required=True, type=given.Named(file_okay=False), help="Folder to write."
+        "Folder to write.", "-o", required=True, type=given.Named(file_okay=False)
     )
     force: bool = given.force()
 

@@ -1,7 +1,7 @@
 """`lutgen path`: a robot drives over rough terrain, with and without control."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,46 +21,40 @@ class RunOptions(RecipeOptions, FigureOptions):
     """Options of every command that runs over ground: what `path` and `control` share."""
 
     assignments: tuple[tuple[str, float], ...] = given.parameters()
-    output: str | None = given.output(help="CSV file of the last run.")
-    plot: str | None = option(type=given.Named(), help="Figure (PNG, SVG or PDF).")
-    animate: str | None = option(
-        type=given.Named(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
-    )
+    output: str | None = given.output("CSV file of the last run.")
+    plot: str | None = given.file("Figure (PNG, SVG or PDF).")
+    animate: str | None = given.file("Film of both runs: GIF, or MP4 where ffmpeg is installed.")
 
 
 @dataclass(frozen=True)
 class Options(RunOptions):
     terrain: str = option(
+        "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz.",
         default=PAPER,
         metavar="paper|FILE.csv",
-        help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), "
-        "nx,ny,nz.",
     )
     points: int | None = option(
-        type=given.Number(int, 2, bounds.POINTS.most),
-        help=f"Points of the paper's path.  [default: {POINTS}]",
+        f"Points of the paper's path.  [default: {POINTS}]", low=2, high=bounds.POINTS.most
     )
     turn: float = option(
-        default=0.0,
-        help="Turn the robot by this angle against the path's heading, deg, to the left.",
+        "Turn the robot by this angle against the path's heading, deg, to the left.", default=0.0
     )
-    no_control: bool = option(is_flag=True, help="Only drive without changing the shape.")
-    lag: int = option(type=given.Number(int, 0), default=1, help="Points by which control is late.")
+    no_control: bool = option("Only drive without changing the shape.")
+    lag: int = option("Points by which control is late.", low=0, default=1)
     method: str = given.method()
     objective: str = option(
-        default="sdg", help="The best of it is chosen: a channel, or a sum such as sdg+0.1*height."
+        "The best of it is chosen: a channel, or a sum such as sdg+0.1*height.", default="sdg"
     )
     convention: str = given.convention(
         "plane", "body", "The path gives the attitude of the ground, or that of the body."
     )
-    rates: tuple[tuple[str, float], ...] = given.values(
+    rates: tuple[tuple[str, float], ...] = option(
+        "The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
         "--rate",
-        help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
-    speed: float | None = given.positive(help="Along the path, length per second; with --rate.")
+    speed: float | None = option("Along the path, length per second; with --rate.", above=0.0)
     headings: int | None = option(
-        type=given.Number(int, 1, bounds.HEADINGS.most),
-        help="Let the robot turn, too, to this many headings.",
+        "Let the robot turn, too, to this many headings.", low=1, high=bounds.HEADINGS.most
     )
 
 
@@ -202,16 +196,14 @@ def tilts(down: "Floats") -> "Floats":
     return np.asarray(np.degrees(np.arctan2(np.hypot(down[:, 0], down[:, 1]), -down[:, 2])))
 
 
-def path_lines(report: dict[str, Any]) -> Iterator[str]:
+def path_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     where = "the paper's path" if report["terrain"] == PAPER else report["terrain"]
     length = f"{report['length']:.6g}{output.unit_text(report['length_unit'])}"
     yield f"{report['robot']} on {where}: {report['points']} points, length {length}"
-    rows = []
     for run in report["runs"]:
         least = run["least_at"]
         at = ", ".join(f"{report['path'][axis][least]:.4g}" for axis in "xyz")
         tips = f"at {len(run['tips_at'])} points ({100.0 * run['share']:.3g} %)"
         angle = f"least tip angle {run['least_tip_angle_deg']:.4g} deg at point {least} ({at})"
-        rows.append([run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"])
-    yield from output.aligned(rows)
+        yield [run["name"], f"{output.VERDICTS['tips']} {tips}, {angle}"]

@@ -1,7 +1,7 @@
 """`lutgen metrics`, `wheels` and `stance`: metrics of one posture, its wheels, uneven ground."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +12,6 @@ from lutgen.cli.lazy import analysis, charts, np, robots
 from lutgen.cli.options import FigureOptions, RecipeOptions, command, log, option
 from lutgen.quantities import QUANTITIES
 
-STRUCTURE = "category dof steered"
 WHEEL = "contact touches speed_rad_s=speed steering_deg slip"
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
 # The frame's own axes have names.
@@ -23,14 +22,16 @@ AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 class MetricsOptions(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     tilt: float = option(
-        type=given.Number(float, 0.0, 180.0),
+        "Tilt of the ground in deg, for the metrics over all headings.",
+        low=0.0,
+        high=180.0,
         default=20.0,
-        help="Tilt of the ground in deg, for the metrics over all headings.",
     )
     headings: int = option(
-        type=given.Number(int, 1, bounds.HEADINGS.most),
+        "How many headings, evenly spaced, the first nose down.",
+        low=1,
+        high=bounds.HEADINGS.most,
         default=24,
-        help="How many headings, evenly spaced, the first nose down.",
     )
 
 
@@ -104,11 +105,11 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
 @dataclass(frozen=True)
 class WheelsOptions(RecipeOptions):
     velocity: tuple[float, float] = option(
+        "Velocity of the centre of mass, forward and to the left, length units per second.",
         type=given.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
-        help="Velocity of the centre of mass, forward and to the left, length units per second.",
     )
-    yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
+    yaw_rate: float = option("About the ground's upward normal, deg/s.", default=0.0)
     assignments: tuple[tuple[str, float], ...] = given.parameters()
     gravity: tuple[float, float, float] = given.gravity()
 
@@ -132,7 +133,7 @@ def wheels(robot: "robots.Recipe", options: WheelsOptions) -> None:
     report = {
         **output.entries(robot, "robot=name length_unit"),
         "standing": motion.standing,
-        "structure": output.entries(motion, STRUCTURE),
+        "structure": output.entries(motion, "category dof steered"),
         **output.entries(motion, "velocity yaw_rate_deg_s possible slip"),
         "nearest": {
             "velocity": motion.nearest_velocity,
@@ -170,11 +171,9 @@ def motion_lines(report: dict[str, Any]) -> Iterator[str]:
 @dataclass(frozen=True)
 class StanceOptions(FigureOptions):
     gravity: tuple[float, float, float] | None = option(
-        "-g",
-        type=given.Numbers(*given.DIRECTION, nonzero=True),
-        help="Gravity in the frame of the file, pointing down; instead of the file's.",
+        "Gravity in the frame of the file, pointing down; instead of the file's.", "-g"
     )
-    output: str | None = given.output(help="Figure (PNG, SVG or PDF).")
+    output: str | None = given.output("Figure (PNG, SVG or PDF).")
 
 
 @command("file", StanceOptions)
@@ -223,7 +222,7 @@ def feet(footing: "analysis.Footing", found: "analysis.Equilibrium") -> Iterator
         }
 
 
-def stance_lines(report: dict[str, Any]) -> Iterator[str]:
+def stance_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     unit = output.unit_text(report["length_unit"])
     yield f"{report['title']}: {SAID[report['holds']]}"
@@ -240,13 +239,12 @@ def stance_lines(report: dict[str, Any]) -> Iterator[str]:
     shape = {0: "none", 1: "a point", 2: "a line"}.get(count, f"{count} corners")
     is_open = ", open within the search" if report["region_is_open"] else ""
     yield from output.aligned([*rows, ["region", shape + is_open]])
-    rows = [["foot", "friction", "normal force", "friction used"]]
+    yield ["foot", "friction", "normal force", "friction used"]
     for foot in report["feet"]:
         used = foot["friction_used"]
         used = "-" if used is None else f"{100.0 * used:.0f} %"
         force = length(foot["normal_force"], form=".3f")
-        rows.append([foot["name"], f"{foot['friction']:g}", force, used])
-    yield from output.aligned(rows)
+        yield [foot["name"], f"{foot['friction']:g}", force, used]
 
 
 def length(value: float | None, unit: str = "", form: str = ".4g") -> str:

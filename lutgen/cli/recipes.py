@@ -26,9 +26,9 @@ SHOWN = 6
 
 @dataclass(frozen=True)
 class NewOptions:
-    output: str | None = given.output(help="Recipe to write (.toml).")
-    list_kinds: bool = option("--list", is_flag=True, help="List the kinds and write nothing.")
-    force: bool = option(is_flag=True, help="Write over a file that is there.")
+    output: str | None = given.output("Recipe to write (.toml).")
+    list_kinds: bool = option("List the kinds and write nothing.", "--list")
+    force: bool = option("Write over a file that is there.")
 
 
 def completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
@@ -101,7 +101,7 @@ def new(kind: str | None, options: NewOptions) -> None:
     """
     kinds = robots.start_recipes()
     if options.list_kinds:
-        show({"kinds": kinds}, lambda report: aligned(report["kinds"].items()))
+        show({"kinds": kinds}, lambda report: report["kinds"].items())
         return
     if kind is None or options.output is None:
         missing = "a kind" if kind is None else "a file to write"

@@ -20,22 +20,20 @@ from lutgen.quantities import QUANTITIES
 
 @dataclass(frozen=True)
 class SweepOptions(RecipeOptions):
-    output: str = given.output(required=True, help="The map file (HDF5).")
-    force: bool = given.force(
-        help="Replace what is there: unfinished work, or a file that lutgen did not make."
+    output: str = given.output("The map file (HDF5).", required=True)
+    force: bool = option(
+        "Replace what is there: unfinished work, or a file that lutgen did not make."
     )
-    threads: int | None = option(type=int, help="Threads to compute with.  [default: all]")
-    resume: bool = option(is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
-    engine: str = option(default="local", help="Where blocks are computed: local or dask.")
-    scheduler: str | None = option(
-        metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
-    )
+    threads: int | None = option("Threads to compute with.  [default: all]")
+    resume: bool = option("Go on with an interrupted sweep of the same recipe.")
+    engine: str = option("Where blocks are computed: local or dask.", default="local")
+    scheduler: str | None = option("A running dask scheduler, tcp://HOST:8786.", metavar="ADDR")
 
 
 @dataclass(frozen=True)
 class InfoOptions:
-    verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
-    unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
+    verify: bool = option("Read everything and check every checksum.")
+    unsealed: bool = option("Read a file without a digest, too.")
 
 
 @command("recipe", SweepOptions)

@@ -1,14 +1,14 @@
 """`lutgen weigh`: mass and centre of mass from scales under the contacts, and from tilts."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from lutgen.cli import options as given
 from lutgen.cli import output
 from lutgen.cli.lazy import Floats, analysis, np, robots, searches
-from lutgen.cli.options import Named, RecipeOptions, command, option
+from lutgen.cli.options import RecipeOptions, command, option
 from lutgen.errors import InputError, reject
 from lutgen.files import write_text
 
@@ -19,20 +19,18 @@ SCALE = 0.005
 
 @dataclass(frozen=True)
 class Options(RecipeOptions):
-    scales: str | None = option(
-        type=Named(),
-        help="CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
-        "if wanted parameters, slope_deg and heading_deg.",
+    scales: str | None = given.file(
+        "CSV file: a column for each scale, named by its contact or contacts (a+b), kg; and "
+        "if wanted parameters, slope_deg and heading_deg."
     )
-    tilt: str | None = option(
-        type=Named(),
-        help="CSV file: slope_deg and heading_deg at which the robot began to tip, parameters.",
+    tilt: str | None = given.file(
+        "CSV file: slope_deg and heading_deg at which the robot began to tip, parameters."
     )
     accuracy: float | None = option(
-        type=float, help="Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
+        "Standard deviation of a scale, kg.  [default: 0.5 % of the most read]"
     )
-    angle_accuracy: float = given.positive(default=1.0, help="Standard deviation of --tilt, deg.")
-    output: str | None = given.output(help="Write the recipe with the correction (.toml).")
+    angle_accuracy: float = option("Standard deviation of --tilt, deg.", above=0.0, default=1.0)
+    output: str | None = given.output("Write the recipe with the correction (.toml).")
     force: bool = given.force()
 
 
@@ -143,7 +141,7 @@ def residual_entries(
             yield output.entries(one, "heading_deg slope_deg") | residual
 
 
-def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
+def weigh_lines(report: dict[str, Any]) -> Iterator[Sequence[str]]:
     """Return the report as text."""
     unit = output.unit_text(report["length_unit"])
     cell = output.cell
@@ -163,15 +161,14 @@ def weigh_lines(report: dict[str, Any]) -> Iterator[str]:
     if report["com_open"]:
         yield "what is not determined moves as little as the readings need: level scales give no"
         yield "height; weigh on a slope of 10 deg as well, or give --tilt"
-    rows = [["reading", "value", "residual"]]
+    yield ["reading", "value", "residual"]
     for one in report["readings"]:
         if "scale" in one:
             known = [one["scale"], cell(one["kg"], ".6g", " kg")]
         else:
             at = f"tips, heading {one['heading_deg']:g} deg"
             known = [at, cell(one["slope_deg"], ".4g", " deg")]
-        rows.append([*known, cell(one.get("residual_kg", one.get("residual_deg")), "+.2g")])
-    yield from output.aligned(rows)
+        yield [*known, cell(one.get("residual_kg", one.get("residual_deg")), "+.2g")]
     advice = report["next"]
     if advice is not None and advice["com_std"] is not None:
         ground = f"on {advice['slope_deg']:g} deg, heading {advice['heading_deg']:g} deg"

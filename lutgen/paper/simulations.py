@@ -19,14 +19,13 @@ from lutgen.paper.model import DOWN, NOMINAL, TABLE, TURN, paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Drive, Optimum, drive, optimum, paper_path, turned
 from lutgen.search import Path as TerrainPath
+from lutgen.search.optima import METHODS
 from lutgen.vector import Floats
 
 log = logging.getLogger("lutgen")
 # |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
 # paper's robot tips.
 LIMIT = 1.0
-# The three methods of the paper, and one from many points.
-METHODS = ("map", "nelder-mead", "search", "multistart")
 MAP = "paper_two.h5"
 # Headings among which the robot may turn on the path.
 HEADINGS = 24

@@ -123,13 +123,11 @@ def optimum(
     # Costs of standing geometries lie below TIPS.
     bar = np.nextafter(TIPS, 0.0) if limit is None else goal.cost_of(limit)
     found = acceptable_range(cost, best.params, space.box, bar)
-    # A kept value is no more acceptable than the geometry that it belongs to.
-    lost = bool(np.isnan(found).any())
-    acceptable = np.full((len(space.kept), 2), np.nan) if lost else space.kept[:, None].repeat(2, 1)
-    delta = np.full(len(space.kept), np.nan if lost else 0.0)
-    if not lost:
-        acceptable[space.free] = found * space.factor[:, None]
-        delta[space.free] = half_widths(found, best.params, space.box) * space.factor
+    acceptable, delta = space.params(found.T).T, np.zeros(len(space.kept))
+    delta[space.free] = half_widths(found, best.params, space.box) * space.factor
+    if np.isnan(found).any():
+        # A kept value is no more acceptable than the geometry that it belongs to.
+        acceptable[:], delta[:] = np.nan, np.nan
     shown = _named(best, goal, space)
     return Optimum(
         shown.params,

@@ -193,7 +193,12 @@ def read_path(file: str | os.PathLike[str]) -> Path:
     The first line names the columns in any order: x, y, z, and if wanted heading (deg) and the
     ground's normal nx, ny, nz; see `along`.  Anything else is refused with line and column.
     """
-    rows, lines = read_rows(file, _path_columns)
+
+    def columns(names: list[str]) -> tuple[Sequence[str], Sequence[str]]:
+        normal = COLUMNS[4:] if any(name in names for name in COLUMNS[4:]) else ()
+        return (*COLUMNS[:3], *normal), COLUMNS
+
+    rows, lines = read_rows(file, columns)
     point = np.column_stack([rows[name] for name in ("x", "y", "z")])
     steps = np.linalg.norm(np.diff(point, axis=0), axis=1)
     same = np.flatnonzero(steps <= EQUAL * steps.sum())
@@ -257,12 +262,6 @@ def _check_columns(
             reject(source, what, got, f"leave only columns of {', '.join(known)}", InputError)
     if len(set(names)) < len(names):
         reject(source, "line 1 names a column twice", got, "rename or drop one", InputError)
-
-
-def _path_columns(names: list[str]) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the columns that a path needs, and those that it may have."""
-    normal = COLUMNS[4:] if any(name in names for name in COLUMNS[4:]) else ()
-    return (*COLUMNS[:3], *normal), COLUMNS
 
 
 def _read_row(where: str, names: list[str], cells: list[str]) -> list[float]:

@@ -110,16 +110,17 @@ def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_b
 
 
 def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_there():
-    rocks, falls = ground_tilt(sledge(30.0)), ground_tilt(sledge(10.0))
+    posture, falls = sledge(30.0), ground_tilt(sledge(10.0))
+    rocks = ground_tilt(posture)
     # Gravity through the tip of the nose, from the normal of the plane that it stands on then.
     tip = math.atan((FLAT + RISES) / (HIGH - RISES * math.tan(BEND)))
     ahead, leaves = [0.0, math.pi], math.atan(FLAT / HIGH)
     np.testing.assert_allclose(rocks.limits(ahead), tip - BEND, atol=1e-12)  # closed form
     np.testing.assert_allclose(falls.limits(ahead), leaves, atol=1e-12)
     # An accelerometer sees the bend, too: body tilt is larger by it.
-    assert tilt_limits(rocks.posture.recipe, [], ahead, "plane") == pytest.approx([tip] * 2)
+    assert tilt_limits(posture.recipe, [], ahead, "plane") == pytest.approx([tip] * 2)
     # A com that is not known exactly is not followed onto the nose.
-    ball = dataclasses.replace(rocks.posture.recipe, com_uncertainty=0.001)
+    ball = dataclasses.replace(posture.recipe, com_uncertainty=0.001)
     assert leaves - 0.003 < ground_tilt(Posture(ball, [])).limits(ahead).min() < leaves
 
 

@@ -22,22 +22,18 @@ def table(friction, rise=0.0):
     return lutgen.parse_recipe(rigid(feet(places), name="table", head=head))
 
 
-def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction():
+def test_it_slides_where_the_slope_s_tangent_exceeds_friction_and_a_facet_may_not_be_level():
     headings = np.radians(np.arange(0.0, 360.0, 7.0))
     for mu in (0.05, 0.5, 0.9):
         limits = slide_limits(Posture(table(mu), []), headings)
         assert limits == pytest.approx(math.atan(mu), abs=1e-12)
-    with pytest.raises(InputError, match="no friction coefficient"):
-        slide_limits(Posture(table(None), []), headings)
-
-
-def test_a_facet_that_is_not_level_shifts_the_limit():
     # The ground rises by 0.2 ahead: with its nose down by atan 0.2 the robot is on level ground.
-    recipe, rise = table(0.5, 0.2), math.atan(0.2)
-    limits = slide_limits(Posture(recipe, []), np.radians([0.0, 180.0]))
+    limits, rise = slide_limits(Posture(table(0.5, 0.2), []), [0.0, math.pi]), math.atan(0.2)
     assert limits == pytest.approx([math.atan(0.5) + rise, math.atan(0.5) - rise], abs=1e-12)
     # Slippery feet slide there at level already, though the ground comes to lie level later.
     assert slide_limits(Posture(table(0.1, 0.2), []), [0.0, math.pi]).tolist() == [0.0, 0.0]
+    with pytest.raises(InputError, match="no friction coefficient"):
+        slide_limits(Posture(table(None), []), headings)
 
 
 def test_it_is_what_diagnose_says_for_warped_feet_wheels_that_lift_and_forces():
