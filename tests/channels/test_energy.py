@@ -61,15 +61,6 @@ def of_standing(standing, g, seat):
     return least
 
 
-def test_that_of_a_box_is_worked_by_hand():
-    # Over the long side at 0.3: sqrt(0.3^2 + 0.5^2) - 0.5; leaned to it by 20 deg, less.
-    assert energy(BOX, LEVEL).item() == pytest.approx(math.hypot(0.3, 0.5) - 0.5, abs=1e-12)
-    lean = math.radians(20.0)
-    aside = np.array([[0.0, math.sin(lean), -math.cos(lean)]])
-    now = 0.3 * math.sin(lean) + 0.5 * math.cos(lean)
-    assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(family):
     rolled = 0

@@ -6,22 +6,7 @@ import numpy as np
 import pytest
 
 from lutgen.grid import Axis, Grid
-from lutgen.vector import angles, axis_rotation, rotation
-
-
-def test_roll_comes_first_and_yaw_last_about_fixed_axes():
-    # Roll takes y to z; pitch then takes z to x; yaw takes x to y.
-    quarter = math.pi / 2.0
-    assert rotation((quarter, quarter, quarter)) @ [0, 1, 0] == pytest.approx([0, 1, 0])
-    assert rotation((quarter, 0, quarter)) @ [0, 1, 0] == pytest.approx([0, 0, 1])
-
-
-def test_a_rotation_about_an_axis_of_the_frame_is_that_angle_alone():
-    for i, axis in enumerate([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]):
-        rpy = [0.0, 0.0, 0.0]
-        rpy[i] = 0.7
-        turned = rotation((rpy[0], rpy[1], rpy[2]))
-        assert np.allclose(axis_rotation(axis, 0.7), turned, rtol=0, atol=1e-15)
+from lutgen.vector import angles, rotation
 
 
 def test_the_angles_of_a_rotation_give_it_back_also_where_two_axes_fall_together():

@@ -14,8 +14,6 @@ from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
 from lutgen.recipe import HDF5, forward
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.every_key import CODED, EVERYTHING
-from tests.fixtures.pulled import BOX
-from tests.fixtures.recipes import feet, rigid
 
 CHANNELS = 'channels = ["sdg", "tip_angle"]'
 ZERO = (0.0, 0.0, 0.0)
@@ -111,13 +109,6 @@ def test_keys_for_figures_change_no_number():
         for recipe in (plain, drawn)
     )
     assert one == other != 0.0
-
-
-def test_a_payload_moves_the_com_as_a_link_of_its_mass_does():
-    payload = '[[robot.payload]]\nname = "tool"\nlink = "body"\nposition = [0.4, 0, 0.2]\n'
-    body = '[[robot.link]]\nname = "body"\nmass = 6.0\n'
-    recipe = parse_recipe(rigid(f"{feet(BOX)}{body}{payload}mass = 2.0\n"))
-    assert lutgen.postures(recipe, np.zeros((1, 0)))[1][0] == pytest.approx([0.1, 0.0, 0.05])
 
 
 def test_recipes_are_equal_and_hashable_by_content_and_a_file_names_its_messages(tmp_path):
