@@ -28,10 +28,6 @@ from tests.support.postures import (
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 
-def points(*feet):
-    return np.concatenate([np.asarray(one, float) for one in feet])
-
-
 def test_without_limits_the_region_is_the_convex_cone_of_the_contacts():
     rng = np.random.default_rng(3)
     stands = asked = 0
@@ -70,7 +66,7 @@ def test_contacts_a_little_off_a_plane_have_the_stability_factor_of_those_in_it(
 
 
 def test_a_com_just_above_its_contacts_is_a_quarter_turn_from_tipping():
-    feet = points([[1, 0.5, -8e-6], [-1, 0.5, -8e-6], [-1, -0.5, -8e-6], [1, -0.5, -8e-6]])
+    feet = np.array([[1, 0.5, -8e-6], [-1, 0.5, -8e-6], [-1, -0.5, -8e-6], [1, -0.5, -8e-6]])
     got = lutgen.stability(feet, LEVEL, ("tip_angle",))["tip_angle"]
     # Defect 3: a sine that rounds to 1 is no missing boundary.
     assert got.item() == pytest.approx(math.pi / 2.0 - 1.6e-5, abs=1e-9)
@@ -81,7 +77,9 @@ def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise
     # Defect 6: rests that a turn of at most 2e-4 rad joins are one, at any rock_angle.
     rng = np.random.default_rng(6)
     for _ in range(20):
-        feet = points([[0.5, 0.4, -0.5], [0.5, -0.4, -0.5], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.5]])
+        feet = np.array(
+            [[0.5, 0.4, -0.5], [0.5, -0.4, -0.5], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.5]]
+        )
         off = feet + 0.4 * noise * rng.uniform(-1.0, 1.0, feet.shape)
         got = lutgen.stability(off, LEVEL, ("tip_angle", "status"), math.radians(80.0), 0.0)
         assert got["status"].item() == 0
@@ -91,7 +89,7 @@ def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise
 
 
 def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden():
-    feet = points([[0.5, 0.4, -0.5], [0.5, -0.4, -0.49], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.49]])
+    feet = np.array([[0.5, 0.4, -0.5], [0.5, -0.4, -0.49], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.49]])
     ahead = unit(np.array([[0.2, 0.1, -1.0]]))
     fixed, free = (
         lutgen.stability(feet, ahead, ("tip_angle",), math.radians(80.0), angle)["tip_angle"].item()
@@ -108,7 +106,7 @@ def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden():
 def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width, apart):
     # Short sides say nothing where others close the region, and everything where none do.
     x, y = apart, 0.5 * width
-    feet = points([[x, y, -1], [x, -y, -1], [-x, -y, -1], [-x, y, -1]])
+    feet = np.array([[x, y, -1], [x, -y, -1], [-x, -y, -1], [-x, y, -1]])
     ways = np.radians(np.arange(0, 360, 10.0))
     g = np.stack([np.cos(ways), np.sin(ways), -1.0 + 0.0 * ways], axis=1)
     found = lutgen.stability(feet[None], g, ("tip_angle",))["tip_angle"][0]
@@ -132,10 +130,10 @@ def test_a_facet_that_the_first_plane_meets_at_once_is_found(kind):
 
 
 def test_contacts_that_support_nothing_tip_in_every_direction():
-    line = points([[0.1, 0, -1], [0.2, 0, -1], [0.4, 0, -1], [-0.4, 0, -1]])
-    above = points([[1, 0, 1], [-1, 1, 1], [-1, -1, 1]])
+    line = np.array([[0.1, 0, -1], [0.2, 0, -1], [0.4, 0, -1], [-0.4, 0, -1]])
+    above = np.array([[1.0, 0, 1], [-1, 1, 1], [-1, -1, 1]])
     g = np.random.default_rng(7).normal(size=(50, 3))
-    for feet in (line, points(line[:1], line[:1], line[:1])):
+    for feet in (line, np.repeat(line[:1], 3, axis=0)):
         assert (lutgen.stability(feet, g, ("tip_angle",))["tip_angle"] == -math.pi).all()
     got = lutgen.stability(above, g, ("tip_angle",), math.radians(90.0))["tip_angle"]
     assert (got == -math.pi).all()
