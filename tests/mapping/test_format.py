@@ -1,5 +1,6 @@
 """What is in a map file, for us and for others."""
 
+import re
 import time
 
 import h5py
@@ -11,6 +12,7 @@ from blake3 import blake3
 import lutgen
 from lutgen.errors import InputError
 from lutgen.quantities import CHANNELS
+from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import tripod
 
 
@@ -50,10 +52,12 @@ def test_a_sweep_returns_the_map_and_says_in_short_what_it_is(tmp_path):
         stability_map["bogus"]
 
 
-def test_the_root_attributes_are_those_of_the_format(swept):
+def test_the_root_attributes_are_those_of_the_format_and_of_its_document(swept):
     recipe = lutgen.parse_recipe(tripod(channels=CHANNELS, nodes=9, max_tilt=60.0))
+    page, _ = (ROOT / "docs/reference/format.md").read_text("utf-8").split("# The C tables")
     with h5py.File(swept / "cone.h5", "r") as file:
         found = dict(file.attrs)
+        assert {*found, "urdf"} == set(re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE))
         assert found.pop("digest").startswith("lutgen-digest-3 at=")
         assert found == {
             "Conventions": "CF-1.10",

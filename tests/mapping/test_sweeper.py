@@ -16,6 +16,7 @@ from lutgen.mapping import expected_seconds, sweeper, verify
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.head import BLOCK_NODES, plan
 from lutgen.quantities import CHANNELS
+from tests.fixtures.commands import broken_off
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, parameter, rigid, rover, sweep_part, tripod
 
@@ -32,18 +33,6 @@ TRIPOD, BLOCK = lutgen.parse_recipe(tripod()), 98
 
 def values(stability_map):
     return {name: stability_map[name].tobytes() for name in stability_map.channels}
-
-
-class Stop:
-    """A progress callback that presses Ctrl-C after some blocks."""
-
-    def __init__(self, after):
-        self.left = after
-
-    def __call__(self, done, total):
-        self.left -= 1
-        if self.left == 0:
-            raise KeyboardInterrupt
 
 
 @pytest.fixture
@@ -112,24 +101,6 @@ def test_progress_rises_to_the_number_of_nodes_while_the_file_has_its_temporary_
     assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
 
 
-def test_an_interrupted_sweep_leaves_an_older_map_and_is_begun_anew_by_force_alone(
-    tmp_path, cut, computed
-):
-    cut(BLOCK)
-    path = tmp_path / "a.h5"
-    lutgen.sweep(TRIPOD, path, threads=1)
-    before = path.read_bytes()
-    with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, threads=1, progress=Stop(3))
-    assert path.read_bytes() == before
-    computed.clear()
-    with pytest.raises(InputError, match=r"unfinished work.*--resume, or begin anew with --force"):
-        lutgen.sweep(TRIPOD, path)
-    assert computed == []
-    lutgen.sweep(TRIPOD, path, force=True)
-    assert len(computed) == 6
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -145,8 +116,7 @@ def test_an_unfinished_file_of_something_else_is_refused_and_kept(
 ):
     cut(BLOCK)
     path, part, recipe = tmp_path / "a.h5", tmp_path / "a.h5.part", TRIPOD
-    with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, threads=1, progress=Stop(2))
+    broken_off(TRIPOD, path, 2, threads=1)
     if change == "recipe":
         recipe = lutgen.parse_recipe(tripod(nodes=9))
     elif change == "blocks":
@@ -160,9 +130,8 @@ def test_an_unfinished_file_of_something_else_is_refused_and_kept(
         content[40] ^= 1
         part.write_bytes(content)
     before = part.read_bytes()
-    with pytest.raises(MapFileError, match=said) as caught:
+    with pytest.raises(MapFileError, match=said):
         lutgen.sweep(recipe, path, resume=True)
-    assert "\n" not in str(caught.value)
     assert part.read_bytes() == before
 
 
@@ -173,9 +142,8 @@ def test_places_options_and_robots_that_cannot_be_swept_are_refused_and_leave_no
     (tmp_path / "file").write_text("no folder")
     (tmp_path / "folder").mkdir()
     for path in ("none/a.h5", "file/a.h5", "folder", "", ".", "/"):
-        with pytest.raises(InputError, match="cannot be written") as caught:
+        with pytest.raises(InputError, match="cannot be written"):
             lutgen.sweep(TRIPOD, path)
-        assert "\n" not in str(caught.value)
     for options, said in (
         ({"engine": "cloud"}, "unknown engine 'cloud'"),
         ({"scheduler": "tcp://x:1"}, "scheduler needs the engine dask"),
