@@ -11,12 +11,12 @@ import pytest
 
 import lutgen
 from tests.fixtures.length import part
+from tests.fixtures.pulled import BOX
 from tests.oracles.primitives import unit
 from tests.oracles.standing import Standing
 from tests.support.postures import FAMILIES, asked, drawn, limits_of, read
 
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -0.3, -0.5]])
 WAY = np.linspace(0.0, 1.0, 401)[:, None]
 
 
@@ -91,4 +91,4 @@ def test_outside_it_is_negative_and_a_body_without_an_edge_to_tip_over_has_an_in
     # 45 deg aside, 14 beyond the balance: the com is that much lower than at the top.
     size = math.hypot(0.3, 0.5)
     lower = size * (1.0 - math.cos(math.radians(45.0) - math.atan2(0.3, 0.5)))
-    assert energy(BOX, beyond).item() == pytest.approx(-lower, abs=1e-12)
+    assert energy(np.array(BOX), beyond).item() == pytest.approx(-lower, abs=1e-12)

@@ -7,7 +7,7 @@ import pytest
 
 import lutgen
 from lutgen.search.methods import STEPS, acceptable_range, half_widths, multistart, nelder_mead
-from tests.fixtures.recipes import feet, rigid
+from tests.fixtures.recipes import contact, feet, link, parameter, rigid
 
 WIDE = np.array([[-3.0, 5.0], [0.0, 2.0]])
 
@@ -128,15 +128,13 @@ def test_the_first_violation_ends_the_range_though_the_cost_falls_again():
 
 def test_all_that_stands_is_acceptable_without_a_limit():
     # A table whose front feet slide out: it stands while the com is behind them.
-    text = rigid(feet([(-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)])).replace(
-        "[sweep]",
-        '[[robot.parameter]]\nname = "reach"\nmin = -0.5\nmax = 3.0\nunit = "m"\n'
-        '[[robot.link]]\nname = "slide"\nparent = "body"\n'
-        'joint = { type = "prismatic", axis = [1, 0, 0], parameter = "reach" }\n'
-        '[[robot.contact]]\nname = "front"\nlink = "slide"\nposition = [0, 0, -1.0]\n[sweep]',
-        1,
+    text = parameter("reach", -0.5, 3.0, "m") + link(
+        "slide", "body", ("prismatic", (1, 0, 0), "reach")
     )
-    text = text.replace("[sweep]\n", "[sweep]\nsamples = { reach = 8 }\n", 1)
+    text += feet([(-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)]) + contact(
+        "front", (0, 0, -1), link="slide"
+    )
+    text = rigid(text, samples="reach = 8")
     found = lutgen.optimum(lutgen.parse_recipe(text), [0, 0, -1], "map")
     # |SD_g| = |reach - 2| / 3 is least at the node 2; it stands for reach >= 0.
     assert found.params == pytest.approx([2.0], abs=1e-12)

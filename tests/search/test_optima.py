@@ -14,7 +14,7 @@ from lutgen.search.objective import TIPS, Objective, parse_objective
 from lutgen.search.optima import METHODS
 from lutgen.support import pack
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, feet, rigid, sweep_part, tripod, without_limits
+from tests.fixtures.recipes import contact, feet, link, parameter, rigid, tripod, without_limits
 from tests.oracles.primitives import reach, unit
 from tests.oracles.standing import Limits, Standing
 
@@ -123,17 +123,14 @@ def test_nelder_mead_finds_the_nominal_shape_and_the_map_its_best_node(two):
 def test_any_number_of_parameters_is_searched_but_by_a_mesh_of_at_most_eight():
     # A body on feet, each of which goes up and down by itself.
     count = 9
-    parts, feet = ['[robot]\nname = "spider"\nlength_unit = "m"\n'], ""
+    parts = ""
     for i in range(count):
-        parts.append(f'[[robot.parameter]]\nname = "leg{i}"\nmin = 0.3\nmax = 0.9\nunit = "m"\n')
-        feet += (
-            f'[[robot.link]]\nname = "link{i}"\nparent = "body"\njoint = {{ type = "prismatic", '
-            f'axis = [0, 0, -1], parameter = "leg{i}" }}\n'
-        )
+        parts += parameter(f"leg{i}", 0.3, 0.9, "m")
+        parts += link(f"link{i}", "body", ("prismatic", (0, 0, -1), f"leg{i}"))
         angle = 2.0 * math.pi * i / count
-        feet += contact(f"foot{i}", (math.cos(angle), math.sin(angle), 0.0), link=f"link{i}")
-    samples = sweep_part(", ".join(f"leg{i} = 2" for i in range(count)))
-    recipe, down = lutgen.parse_recipe("".join(parts) + feet + samples), [0.15, 0.1, -1.0]
+        parts += contact(f"foot{i}", (math.cos(angle), math.sin(angle), 0.0), link=f"link{i}")
+    spider = rigid(parts, samples=", ".join(f"leg{i} = 2" for i in range(count)))
+    recipe, down = lutgen.parse_recipe(spider), [0.15, 0.1, -1.0]
     with pytest.raises(InputError, match=r"at most 8 parameters \(got 9, or 5\^9 nodes a step\)"):
         lutgen.optimum(recipe, down)
     box, best = np.array([[0.5, 0.5]] * 5 + [[0.3, 0.9]] * 4), {}
