@@ -10,17 +10,9 @@ pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
 
 from proofs.physics import agreement, braking, ground, holding, judge, rocking
 from proofs.physics.body import Posture, body
-from proofs.physics.start import DOWN, start
+from proofs.physics.start import start
 
 TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
-
-
-def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_late():
-    posture = body(TABLE)
-    for heading, reach in ((0.0, 0.1), (0.5 * math.pi, 0.2)):
-        limit = math.atan2(reach, 0.3)
-        slope = ground.slope_at_fall(posture, start(posture, DOWN), heading, ground.UNTIL * limit)
-        assert ground.LATE - ground.CLEAR < slope - limit < math.radians(0.35)
 
 
 @pytest.mark.parametrize(
