@@ -77,7 +77,7 @@ ANSWERS = """
   ground_sliding_included worst_ground_heading_deg worst_ground_tilt_deg worst_ground_contacts
   ground_rolling_included forces_act stands_on_level_ground posture_from share_limits all_postures
   best_postures
-0 | metrics r.toml --headings 4
+0 | metrics r.toml --headings 4 --tilt 60
   robot length_unit tilt_deg level headings posture posture_from
 0 | wheels r.toml
   robot length_unit standing structure velocity yaw_rate_deg_s possible slip nearest wheels posture
