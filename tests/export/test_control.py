@@ -13,20 +13,10 @@ from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
-from proofs.control import (
-    G0,
-    GALLERY,
-    Steered,
-    bits,
-    budgets,
-    damaged,
-    fixed_slopes,
-    robot,
-    transits,
-)
+from proofs import control
 from tests.fixtures.length import part
 
-LEVEL = np.array([[0.0, 0.0, G0]])
+LEVEL = np.array([[0.0, 0.0, control.G0]])
 MOVES, RESTS = 0, 1
 
 
@@ -37,7 +27,7 @@ def paper():
         # What is promised of ways holds whatever the table says.
         patch.setattr(maker, "POSTURES", 400)
         patch.setattr(maker, "UNSEEN", 500)
-        return robot("paper_two", objective="tip_angle-0.5*move2", within=1e-9)
+        return control.robot("paper_two", objective="tip_angle-0.5*move2", within=1e-9)
 
 
 def swift():
@@ -53,31 +43,31 @@ def swift():
 
 def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised():
     count = part(3000, 12)
-    found = transits(paper(), count, inside=12)
+    found = control.transits(paper(), count, inside=12)
     assert found.promised > count // 2
     assert (found.faults, found.below) == (0, 0)
 
 
 def test_a_damaged_table_costs_margin_but_no_safety():
-    found = damaged(paper(), 40)
+    found = control.damaged(paper(), 40)
     assert found.promised > 1000
     assert found.faults == 0
 
 
 def test_on_a_fixed_slope_the_robot_comes_to_rest():
-    found = fixed_slopes(paper(), 200, cycles=300, tail=50)
+    found = control.fixed_slopes(paper(), 200, cycles=300, tail=50)
     assert found.promised > 150
     assert found.faults == 0
 
 
 def test_budgets_are_never_too_large_and_nearly_as_large_as_they_may_be():
-    found = budgets(paper(), 2000)
+    found = control.budgets(paper(), 2000)
     assert found.faults == 0
     assert found.share > 0.95  # the median, in four reads
 
 
 def test_commands_keep_axes_and_rates_whatever_bits_come_in():
-    found = bits(paper(), 5000)
+    found = control.bits(paper(), 5000)
     assert found.promised > 5000
     assert found.faults == 0
 
@@ -116,7 +106,7 @@ def test_the_alarm_rises_at_once_and_falls_late():
     flat = [controller.step(posture, LEVEL)[1] for _ in range(2)][-1]
     assert flat["alarm"][0] == 0
     lean = flat["tip"][0] - np.radians(4.0)
-    steep = [[G0 * np.sin(lean), 0.0, G0 * np.cos(lean)]]
+    steep = [[control.G0 * np.sin(lean), 0.0, control.G0 * np.cos(lean)]]
     # Further than a cycle explains: not believed once, then seen.
     levels = [controller.step(posture, steep)[1]["alarm"][0] for _ in range(3)]
     assert max(levels) >= 2
@@ -148,8 +138,8 @@ def test_prediction_sees_gravity_where_the_gyroscope_says_it_will_be():
 def _after_a_step(one, before, after, rate):
     """Return the command (1, k) on level ground at the second of two postures (1, k)."""
     controller, level = one.controller(), np.array([[0.0, 0.0, -1.0]])
-    controller.step(before, -G0 * one.down(before, level))
-    command, cycle, _ = controller.step(after, -G0 * one.down(after, level), rate)
+    controller.step(before, -control.G0 * one.down(before, level))
+    command, cycle, _ = controller.step(after, -control.G0 * one.down(after, level), rate)
     assert cycle["move"][0] in (MOVES, RESTS)
     return command
 
@@ -191,13 +181,13 @@ def test_the_driver_is_followed_within_delta():
 @cache
 def crawler():
     """Return absolem with a policy that was not looked for: ways alone are asked."""
-    model = Model(load_recipe(GALLERY / "absolem.toml"))
+    model = Model(load_recipe(control.GALLERY / "absolem.toml"))
     export = contacts.export(model, "absolem", ("tip_angle",))
     joints = [Joint(0.0, 1e-3, 0.0314, 6.28, 0.00314, 0.354, 0.0045, x) for x in (1.35, 1.11)]
     policy = Policy(
         np.zeros((2, 2, 2), np.uint8), 1.0, tuple(joints), 0.02, 0.06, 0.05, (0.3, 0.2, 0.1), 0.5
     )
-    return Steered(model, describe(export), policy)
+    return control.Steered(model, describe(export), policy)
 
 
 def test_a_contact_that_hangs_low_over_a_rest_may_carry_elsewhere_in_the_box():
@@ -213,6 +203,6 @@ def test_a_contact_that_hangs_low_over_a_rest_may_carry_elsewhere_in_the_box():
 
 
 def test_of_many_contacts_a_budget_is_what_the_boundary_leaves():
-    found = budgets(crawler(), 300)
+    found = control.budgets(crawler(), 300)
     assert found.faults == 0
     assert found.share > 0.99
