@@ -25,14 +25,7 @@ LIMITS = (radians(90.0), radians(30.0))
 DOWN = np.array([[0.0, 0.0, -1.0]])
 
 # The same examples on every run; shrinking a counterexample takes minutes: add Phase.shrink.
-bounded = settings(
-    deadline=None,
-    derandomize=True,
-    database=None,
-    max_examples=60,
-    report_multiple_bugs=False,
-    phases=(Phase.explicit, Phase.generate),
-)
+bounded = settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
 seeds = st.integers(0, 2**32 - 1)
 whole = st.integers(-2, 2).map(float)
 whole_robots = st.lists(st.tuples(whole, whole, whole), min_size=3, max_size=7).map(np.array)
