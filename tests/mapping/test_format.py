@@ -1,7 +1,6 @@
 """What is in a map file, for us and for others."""
 
 import re
-import time
 
 import h5py
 import numpy as np
@@ -112,14 +111,6 @@ def test_digests_are_those_of_the_document(swept):
     assert content.index(b"lutgen-digest-3 at=") == int(words["at"])
     head = content[: int(words["head"])].replace(words["blake3"].encode(), b"0" * 64)
     assert blake3(head).hexdigest() == words["blake3"]
-
-
-def test_two_sweeps_a_second_apart_write_the_same_bytes(tmp_path, swept):
-    recipe = lutgen.load_map(swept / "cone.h5").recipe
-    # HDF5 keeps times in whole seconds.
-    time.sleep(1.1)
-    lutgen.sweep(recipe, tmp_path / "again.h5")
-    assert (tmp_path / "again.h5").read_bytes() == (swept / "cone.h5").read_bytes()
 
 
 def test_xarray_opens_a_map_as_the_map_gives_it(swept):
