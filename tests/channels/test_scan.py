@@ -138,12 +138,12 @@ def on_knots(chart, count, rng):
 
 
 @pytest.mark.parametrize("limits", [LIMITS["none"], LIMITS["default"]], ids=["none", "default"])
-def test_10000_robots_on_one_plane_have_the_exact_verdict_at_every_node(limits):
+def test_3000_robots_on_one_plane_have_the_exact_verdict_at_every_node(limits):
     rng = np.random.default_rng(50)
     asked = on_axis = 0
     for nodes in (9, 17, 33):
         chart = Chart("cone", nodes, np.radians(60.0))
-        made = on_knots(chart, 200, rng) + [in_plane(EXACT[k % 6], rng) for k in range(3300)]
+        made = on_knots(chart, 200, rng) + [in_plane(EXACT[k % 6], rng) for k in range(800)]
         for count in {len(one) for one in made}:
             robots = np.stack([one for one in made if len(one) == count])
             tips = rows(robots, chart, limits, VERDICT)["tip_angle"] < 0.0
@@ -152,7 +152,7 @@ def test_10000_robots_on_one_plane_have_the_exact_verdict_at_every_node(limits):
             assert 0.05 < tips.mean() < 0.95
             asked += len(robots)
             on_axis += (np.abs(angle) < 1e-12).sum()
-    assert asked == 3 * 3500
+    assert asked == 3 * 1000
     # Nodes on a tip-over axis are what rounding can get wrong.
     assert on_axis > 5000
 
