@@ -27,6 +27,7 @@ SUBJECTS: dict[str, Callable[[], Export]] = {
     "absolem": partial(of_recipe, "absolem", "contacts"),
     "excavator": partial(of_recipe, "excavator", "contacts"),
     "articulated": partial(of_recipe, "articulated", "contacts"),
+    "tractor": partial(of_recipe, "tractor", "contacts"),
 }
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import settings
 
 import lutgen
+from lutgen.errors import LutgenError
 from lutgen.mapping import plan, sweeper
 from lutgen.quantities import CHANNELS
 from tests.fixtures.needs import ABSENT, lacking
@@ -19,8 +20,17 @@ settings.register_profile("lutgen", deadline=None, derandomize=True, max_example
 settings.load_profile("lutgen")
 
 
+def in_one_line(error, *words):
+    """Demand of every error of lutgen that its message is one line, or one for each wrong key."""
+    super(LutgenError, error).__init__(*words)
+    # The name of a file may hold anything; commands show its escapes.
+    for line in str(error).split("\n")[1:] if "\x1b" not in str(error) else ():
+        assert ": key `" in line or line.endswith("more faults."), error
+
+
 def pytest_configure(config):
-    """Let each of several workers compute by one thread: more than cores wait for each other."""
+    """Look at every message; let each of several workers compute by one thread."""
+    LutgenError.__init__ = in_one_line
     if hasattr(config, "workerinput"):
         numba.set_num_threads(1)
 

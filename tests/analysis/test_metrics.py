@@ -12,7 +12,6 @@ from lutgen.analysis.metrics import METRICS, axis_force_angle, force_angle
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from proofs.margins import MARGINS
-from tests.fixtures.commands import data
 from tests.fixtures.pulled import BOX, LEVEL, pull, robot
 from tests.fixtures.recipes import feet, rigid, without_limits
 
@@ -59,22 +58,6 @@ def test_what_does_not_stand_on_level_ground_or_knows_more_than_a_weight_is_refu
     ):
         with pytest.raises(InputError, match=said):
             compare_metrics(Posture(one, []), LEVEL)
-
-
-def test_json_has_null_for_no_value(tmp_path):
-    file = tmp_path / "table.toml"
-    file.write_text(TABLE)
-    report = data("metrics", file, "--tilt", 33, "--headings", 4)
-    assert report["level"]["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)))
-    left = report["headings"][1]
-    assert (left["heading_deg"], left["standing"]) == (90.0, False)
-    assert left["sdg"] is left["normalised"]["sdg"] is None
-    assert left["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)) - 33.0)
-    assert left["force_angle_rad"] < 0.0
-    axes = data("eval", file)["axes"]
-    side, end = 0.6 * math.atan(0.6), math.atan(1.0)
-    found = sorted(axis["force_angle_rad"] for axis in axes)
-    assert found == pytest.approx([side, side, end, end], abs=1e-12)
 
 
 # The polygon of hector_stability_metrics, its edges in order, and what that library prints.

@@ -220,21 +220,3 @@ def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum():
     expected = 0.25 * abs(1.0 - turn * arm[0, 1]) + 0.39 * abs(1.0 - turn * arm[2, 1])
     found = least_resistance(motion, load, arm, roll)
     assert found == pytest.approx(expected, abs=1e-13)  # what the search leaves open
-
-
-# In MuJoCo wheels on hinges stay where the robot holds and go where it rolls.
-TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
-
-
-@pytest.mark.parametrize(("rolling", "heading"), [((0,), 35.0), ((2,), 215.0), ((0, 1), 0.0)])
-def test_three_wheels_roll_away_from_the_same_tilt_on(rolling, heading):
-    pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
-    from proofs.physics import holding
-
-    robot = holding.standing(TRICYCLE, [i not in rolling for i in range(3)], 0.5)
-    posture, ahead = Posture(robot.recipe("friction = 0.8"), []), math.radians(heading)
-    limit = float(roll_limits(posture, [ahead])[0])
-    assert math.radians(2.0) < limit < math.atan(0.8) - math.radians(1.0)
-    for side in (-0.5, 0.5):
-        down = tilted(limit + math.radians(side), ahead)
-        assert holding.moves(robot, down, 0.8) is (side > 0.0)

@@ -10,7 +10,7 @@ from firmware_export.contacts.closed import closed_form
 from lutgen.analysis import Tipping, Weighing, corrected, tilt_limits, tilted, weigh
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import forward, parse_recipe
-from tests.fixtures.recipes import contact, sweep_part
+from tests.fixtures.recipes import contact, link, parameter, rigid
 
 CORNERS = {"fl": (0.5, 0.4), "fr": (0.5, -0.4), "rl": (-0.5, 0.4), "rr": (-0.5, -0.4)}
 SHIFT = np.array([0.03, -0.02, 0.05])
@@ -20,16 +20,13 @@ LEVEL, SLOPED = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], [(0.1, 0.2, 0.7)]
 
 def cart(mass, com):
     """Return a cart with a load that is lifted forward; its masses are in the ratio of 5 to 1."""
-    return parse_recipe(
-        '[robot]  # a cart\nname = "cart"\nlength_unit = "m"\n'
-        '[[robot.parameter]]\nname = "lift"\nmin = 0.0\nmax = 0.3\nunit = "m"\n'
-        f'[[robot.link]]\nname = "body"\nmass = {mass / 1.2!r}\ncom = {[*map(float, com)]}\n'
-        '[[robot.link]]\nname = "load"\nparent = "body"\norigin = [0, 0, 0.4]\n'
-        'joint = { type = "prismatic", axis = [0.6, 0, 0.8], parameter = "lift" }\n'
-        f"mass = {mass / 6.0!r}\n"
-        + "".join(contact(name, (x, y, -0.1)) for name, (x, y) in CORNERS.items())
-        + sweep_part("lift = 3", nodes=5)
-    )
+    raised = ("prismatic", (0.6, 0, 0.8), "lift")
+    parts = parameter("lift", 0.0, 0.3, "m")
+    parts += link("body", mass=mass / 1.2, com=[*map(float, com)])
+    parts += link("load", joint=raised, origin=[0, 0, 0.4], mass=mass / 6.0)
+    parts += "".join(contact(name, (x, y, -0.1)) for name, (x, y) in CORNERS.items())
+    text = rigid(parts, "cart", samples="lift = 3", nodes=5)
+    return parse_recipe(text.replace("[robot]", "[robot]  # a cart", 1))
 
 
 MODEL = cart(12.0, (0.0, 0.0, 0.1))

@@ -11,12 +11,12 @@ import pytest
 
 import lutgen
 from tests.fixtures.length import part
+from tests.fixtures.pulled import BOX
 from tests.oracles.primitives import unit
 from tests.oracles.standing import Standing
 from tests.support.postures import FAMILIES, asked, drawn, limits_of, read
 
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -0.3, -0.5]])
 WAY = np.linspace(0.0, 1.0, 401)[:, None]
 
 
@@ -61,15 +61,6 @@ def of_standing(standing, g, seat):
     return least
 
 
-def test_that_of_a_box_is_worked_by_hand():
-    # Over the long side at 0.3: sqrt(0.3^2 + 0.5^2) - 0.5; leaned to it by 20 deg, less.
-    assert energy(BOX, LEVEL).item() == pytest.approx(math.hypot(0.3, 0.5) - 0.5, abs=1e-12)
-    lean = math.radians(20.0)
-    aside = np.array([[0.0, math.sin(lean), -math.cos(lean)]])
-    now = 0.3 * math.sin(lean) + 0.5 * math.cos(lean)
-    assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(family):
     rolled = 0
@@ -100,4 +91,4 @@ def test_outside_it_is_negative_and_a_body_without_an_edge_to_tip_over_has_an_in
     # 45 deg aside, 14 beyond the balance: the com is that much lower than at the top.
     size = math.hypot(0.3, 0.5)
     lower = size * (1.0 - math.cos(math.radians(45.0) - math.atan2(0.3, 0.5)))
-    assert energy(BOX, beyond).item() == pytest.approx(-lower, abs=1e-12)
+    assert energy(np.array(BOX), beyond).item() == pytest.approx(-lower, abs=1e-12)

@@ -18,8 +18,9 @@ from lutgen.plot import KINDS
 from lutgen.quantities import CHANNELS
 from tests.cli.test_refusals_cli import DITCH
 from tests.fixtures.commands import data, good, run, stdout
+from tests.fixtures.linkage import coded
 from tests.fixtures.places import VECTORS
-from tests.fixtures.recipes import rigid, tripod
+from tests.fixtures.recipes import tripod
 
 AT = ("-p", "reach=0.3", "-p", "swing=10")
 WHEEL = '[[robot.wheel]]\ncontact = "front"\naxis = [0, 1, 0]\nradius = 0.1\n'
@@ -76,7 +77,7 @@ ANSWERS = """
   ground_sliding_included worst_ground_heading_deg worst_ground_tilt_deg worst_ground_contacts
   ground_rolling_included forces_act stands_on_level_ground posture_from share_limits all_postures
   best_postures
-0 | metrics r.toml --headings 4
+0 | metrics r.toml --headings 4 --tilt 60
   robot length_unit tilt_deg level headings posture posture_from
 0 | wheels r.toml
   robot length_unit standing structure velocity yaw_rate_deg_s possible slip nearest wheels posture
@@ -133,16 +134,8 @@ def test_a_map_given_for_a_recipe_answers_as_the_recipe_inside_it(command, place
 
 
 def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_path):
-    code = (
-        "import numpy as np\n"
-        "FEET = np.array([[1.0, 1, -1], [-1, 1, -1], [-1, -1, -1], [1, -1, -1]])\n"
-        "def postures(q):\n"
-        "    return np.repeat(FEET[None], len(q), 0), np.zeros((len(q), 3))\n"
-    )
-    (tmp_path / "sources_plugin.py").write_text(code)
-    (tmp_path / "code.toml").write_text(rigid("", head='python = "sources_plugin:postures"'))
-    recipe = lutgen.load_recipe(tmp_path / "code.toml", allow_python=True)
-    lutgen.sweep(recipe, tmp_path / "code.h5")
+    (tmp_path / "code.toml").write_text(coded("stops").text)
+    lutgen.sweep(coded("stops"), tmp_path / "code.h5")
     assert "--allow-python" in run("limits", tmp_path / "code.h5").stderr
     allowed = [
         stdout("limits", tmp_path / name, "--allow-python") for name in ("code.toml", "code.h5")

@@ -1,6 +1,5 @@
 """`lutgen eval` of a recipe, a map and an export, and `lutgen export`: what they print."""
 
-import json
 import math
 import re
 from functools import partial
@@ -148,21 +147,6 @@ def test_export_prints_codec_bytes_errors_guard_and_folder_of_the_channels_asked
         r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M
     )
     assert text.splitlines()[-1] == f"folder     {place / 'firmware'}"
-
-
-def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place):
-    compiled = data("eval", place / "firmware", *POINT, "-g", "0.1,0.05,-1")
-    exact = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
-    assert compiled["source"] == "compiled"
-    assert compiled["status"] == "SMAP_OK"
-    assert compiled["standing"] is exact["standing"] is True
-    assert compiled["robot"] == exact["robot"]
-    report = json.loads((place / "firmware" / "feet_report.json").read_text())
-    largest = report["channels"]["sdg"]["error"]["max"]
-    assert compiled["sdg"] == pytest.approx(exact["sdg"], abs=largest)
-    largest = math.degrees(report["channels"]["tip_angle"]["error"]["max"])
-    assert compiled["tip_angle_deg"] == pytest.approx(exact["tip_angle_deg"], abs=largest)
-    assert "height" not in compiled
 
 
 @pytest.mark.parametrize(

@@ -144,15 +144,6 @@ def imported(*arguments):
     return data("import", "quadruped.urdf", "-o", "q.toml", "--force", *arguments)
 
 
-def test_more_than_ten_joints_are_coupled():
-    imported()
-    recipe = lutgen.load_recipe("q.toml")
-    assert recipe.home == pytest.approx({"hip": 0.0, "thigh": 0.7, "knee": -1.4})
-    # 17 nodes each: a map of 4,913 postures.
-    assert recipe.grid.size == 17**3
-    assert data("eval", "q.toml", "-g", "0,0,-1")["standing"] is True
-
-
 def test_the_recipe_says_which_joints_a_parameter_drives_and_why():
     good("import", "quadruped.urdf", "-o", "q.toml", "--force")
     text = Path("q.toml").read_text(encoding="utf-8")

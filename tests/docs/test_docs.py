@@ -7,7 +7,6 @@ import tomllib
 from functools import partial
 from pathlib import Path
 
-import h5py
 import pytest
 from click.testing import CliRunner
 
@@ -28,14 +27,8 @@ PAPER = "docs/guide/paper.md"
 RECIPES = TARGET.read_text(encoding="utf-8")
 
 
-@pytest.fixture
-def clone(tmp_path, monkeypatch):
-    shutil.copytree(MAPS, tmp_path / "maps")
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone):
+def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(monkeypatch):
+    monkeypatch.chdir(ROOT)
     (shell,) = blocks(PAPER, "sh")
     printed = {}
     for line in shell.splitlines():
@@ -90,15 +83,6 @@ def test_everything_in_the_firmware_guide_runs(tmp_path, monkeypatch):
         Path("use.c").write_text(code)
         flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{folder}", "-fPIC", "-shared"]
         compile_c([*flags, "use.c", f"{folder}/paper_two.c", "-o", "use.so"], tmp_path)
-
-
-def test_the_format_document_lists_every_attribute_of_a_map(clone):
-    page = ROOT / "docs/reference/format.md"
-    text, _ = page.read_text(encoding="utf-8").split("# The C tables")
-    listed = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
-    lutgen.sweep(lutgen.load_recipe("maps/paper_one.toml"), "one.h5")
-    with h5py.File("one.h5") as file:
-        assert set(file.attrs) == listed - {"urdf"}
 
 
 def test_the_readme_is_short_and_names_the_python_that_the_project_requires():

@@ -96,18 +96,9 @@ def test_a_folder_is_asked_and_the_head_tells_its_certificate(tmp_path):
     assert head.count("certified on 2,000 points: 0 falsely safe") == 1
     (told,) = folder.glob("*_report.json")
     told.write_text(told.read_text().replace('"false_safe": 0', '"false_safe": 7'))
-    explored(folder, "-o", page)
+    assert explored(folder, "-o", page)[0] == 0
+    assert is_ours(page)
     assert "certified on 2,000 points: 7 falsely safe" in page.read_text()
-
-
-def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path):
-    path, asked = tmp_path / "page.html", ("recipe:paper_one", "-o", tmp_path / "page.html")
-    assert explored(*asked)[0] == explored(*asked)[0] == 0
-    path.write_text("mine")
-    assert explored(*asked)[0] == 2
-    assert path.read_text() == "mine"
-    assert explored(*asked, "--force")[0] == 0
-    assert is_ours(path)
 
 
 def test_what_no_page_can_show_is_refused_in_a_sentence(tmp_path):

@@ -13,19 +13,9 @@ from firmware_export.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import parse_recipe, robot_size_of
+from tests.fixtures import many_library as many
 from tests.fixtures.length import part
 from tests.fixtures.linkage import COARSEST, coded
-from tests.fixtures.many_library import (
-    OK,
-    ROCKS,
-    TIPS,
-    Library,
-    compared,
-    ends_of,
-    near_and_far,
-    postures_of,
-    random_directions,
-)
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import quadruped, rover, steered, tripod
 
@@ -48,7 +38,7 @@ def recipe_of(name):
 
 def near_a_grid(recipe, rng, count):
     """Return float32 params of multiples of 7.5 deg (or 0.13 m), of which two thirds are off."""
-    low, high = ends_of(recipe)
+    low, high = many.ends_of(recipe)
     step, off = math.radians(7.5), rng.choice([0.0, 1e-6, 1e-4], (count, 1))
     params = step * np.rint(rng.uniform(low, high, (count, len(low))) / step)
     params += off * rng.normal(size=params.shape)
@@ -60,17 +50,17 @@ def near_a_grid(recipe, rng, count):
 def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name, whole):
     recipe, rng = recipe_of(name), np.random.default_rng(6)
     error = COARSEST.get(name, 0.0)
-    robot, size = Library(recipe, error=error), robot_size_of(recipe)
-    params = np.concatenate([postures_of(recipe, rng, 120), near_a_grid(recipe, rng, 120)])
-    g = near_and_far(recipe, params, rng, 15, 50)
+    robot, size = many.Library(recipe, error=error), robot_size_of(recipe)
+    params = np.concatenate([many.postures_of(recipe, rng, 120), near_a_grid(recipe, rng, 120)])
+    g = many.near_and_far(recipe, params, rng, 15, 50)
     if whole:
         g = np.rint(g / np.abs(g).max(axis=-1, keepdims=True) * 16000.0).astype(np.int16)
     channels = ("sdg", "tip_angle", "height", "status")
     expected = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
     got = robot.read(params, g)
-    safe, stands = got["status"] != TIPS, expected["status"] != TIPS
+    safe, stands = got["status"] != many.TIPS, expected["status"] != many.TIPS
     assert not (safe & ~stands).any()
-    assert not ((got["status"] == OK) & (expected["status"] == ROCKS)).any()
+    assert not ((got["status"] == many.OK) & (expected["status"] == many.ROCKS)).any()
     short = expected["tip_angle"] - got["tip_angle"]
     # Less than a third of the guard is used up; whole numbers have a guard of their own.
     guard = robot.export.tables.guard
@@ -83,7 +73,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name,
     assert np.median(extra[safe]) < (0.03 if whole else 0.008)
     assert np.percentile(extra[safe], 75) < (0.06 if whole else 0.04)
     # How far it has tipped: whole numbers tell a sine, -1 beyond a right angle.
-    both = (got["status"] == TIPS) & (np.abs(expected["tip_angle"] + np.pi / 4) < np.pi / 4)
+    both = (got["status"] == many.TIPS) & (np.abs(expected["tip_angle"] + np.pi / 4) < np.pi / 4)
     assert short[both].min() > 0.0
     assert np.median(extra[both]) < (0.03 if whole else 0.008)
     # |SD_g| jumps where the facet changes: there rounding decides.
@@ -95,7 +85,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name,
 def nearly_level(name):
     """Return a robot and 2,000 of its postures, four contacts 1e-7 to 1e-2 out of one plane."""
     recipe = recipe_of(name)
-    (low, high), rng = ends_of(recipe), np.random.default_rng(4)
+    (low, high), rng = many.ends_of(recipe), np.random.default_rng(4)
     noise = rng.normal(size=(2000, len(low))) * 10.0 ** rng.uniform(-7, -2, (2000, 1))
     at = rng.uniform(low, high, (2000, len(low)))
     if name == "quadruped":  # four legs alike
@@ -109,8 +99,8 @@ def nearly_level(name):
 def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name):
     # Readings of the sensors of a level robot.
     recipe, params = nearly_level(name)
-    g = random_directions(np.random.default_rng(5), len(params) * 40).reshape(-1, 40, 3)
-    found = compared(Library(recipe), params, g.astype(np.float32))
+    g = many.random_directions(np.random.default_rng(5), len(params) * 40).reshape(-1, 40, 3)
+    found = many.compared(many.Library(recipe), params, g.astype(np.float32))
     assert found.stands.mean() > 0.15
     assert (found.stands & ~found.safe).sum() <= 0.002 * found.stands.sum()
     short = np.degrees(found.true - found.told)[found.safe]
@@ -122,13 +112,13 @@ def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definiti
 
 def test_without_room_for_gaps_or_arcs_less_is_safe_and_nothing_else_changes():
     recipe, rng = recipe_of("marv"), np.random.default_rng(7)
-    params = postures_of(recipe, rng, 400)
-    g = random_directions(rng, 400 * 50).reshape(400, 50, 3).astype(np.float32)
-    whole = Library(recipe).read(params, g)
-    could = whole["status"] != TIPS
+    params = many.postures_of(recipe, rng, 400)
+    g = many.random_directions(rng, 400 * 50).reshape(400, 50, 3).astype(np.float32)
+    whole = many.Library(recipe).read(params, g)
+    could = whole["status"] != many.TIPS
     for scarce in ({"gaps": 1}, {"arcs": 12}):
-        got = Library(recipe, **scarce).read(params, g)
-        safe = got["status"] != TIPS
+        got = many.Library(recipe, **scarce).read(params, g)
+        safe = got["status"] != many.TIPS
         assert not (safe & ~could).any()
         assert safe.any()
         # The side of a gap may be so short that its direction is known to a thousandth.
@@ -143,9 +133,11 @@ def test_without_room_for_gaps_or_arcs_less_is_safe_and_nothing_else_changes():
 @pytest.mark.parametrize("name", ["marv", "quadruped"])
 def test_hardly_a_posture_needs_more_room(name):
     recipe, rng = recipe_of(name), np.random.default_rng(11)
-    params = postures_of(recipe, rng, 4000)
-    g = random_directions(rng, 4000 * 2).reshape(4000, 2, 3).astype(np.float32)
-    given, enough = (Library(recipe, **room).read(params, g) for room in ({}, LIMITS._asdict()))
+    params = many.postures_of(recipe, rng, 4000)
+    g = many.random_directions(rng, 4000 * 2).reshape(4000, 2, 3).astype(np.float32)
+    given, enough = (
+        many.Library(recipe, **room).read(params, g) for room in ({}, LIMITS._asdict())
+    )
     assert (given["status"] == enough["status"]).mean() > 0.9995
 
 
@@ -160,9 +152,9 @@ def test_answers_do_not_depend_on_the_unit_of_length():
     recipes = [parse_recipe(one) for one in (text, re.sub(lengths, larger, text))]
     assert robot_size_of(recipes[1]) == 1024.0 * robot_size_of(recipes[0])
     rng = np.random.default_rng(3)
-    params = postures_of(recipes[0], rng, 200)
-    g = random_directions(rng, 10_000).reshape(200, 50, 3).astype(np.float32)
-    metres, other = (Library(recipe).read(params, g) for recipe in recipes)
+    params = many.postures_of(recipes[0], rng, 200)
+    g = many.random_directions(rng, 10_000).reshape(200, 50, 3).astype(np.float32)
+    metres, other = (many.Library(recipe).read(params, g) for recipe in recipes)
     for name in ("status", "tip_angle"):
         assert metres[name].tobytes() == other[name].tobytes()
 
@@ -173,12 +165,12 @@ def test_an_uncertain_com_above_an_axle_that_swings_tips_nowhere_where_the_c_say
     if name == "still":  # all of its postures have one height
         text = text.replace("max = 1.05", "max = 0.7501").replace("max = 45.0", "max = -34.99")
     recipe = parse_recipe(text.replace("[robot]\n", "[robot]\ncom_uncertainty = 0.01\n"))
-    rng, robot = np.random.default_rng(12), Library(recipe)
-    params = postures_of(recipe, rng, part(10_000, 40))
-    g = near_and_far(recipe, params, rng, 15, 50)
+    rng, robot = np.random.default_rng(12), many.Library(recipe)
+    params = many.postures_of(recipe, rng, part(10_000, 40))
+    g = many.near_and_far(recipe, params, rng, 15, 50)
     true = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle",))["tip_angle"]
     got = robot.read(params, g)
-    safe, stands = got["status"] != TIPS, true >= 0.0
+    safe, stands = got["status"] != many.TIPS, true >= 0.0
     assert not (safe & (got["tip_angle"] > true)).any()
     guard = robot.export.tables.guard
     assert math.radians(0.5) < guard < math.radians(1.5)

@@ -11,11 +11,11 @@ from firmware_export.certify.certificate import certify
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.series import series_of
-from firmware_export.model import Model, rounds, widened
+from firmware_export.model import Model, widened
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
-from tests.fixtures.exports import host_of
+from tests.fixtures.exports import off_at
 from tests.fixtures.linkage import COARSEST, coded
 
 OK = 0
@@ -25,14 +25,6 @@ OK = 0
 def export_of(name, error=None):
     spec = contacts.Spec(error or COARSEST.get(name, 3e-4))
     return contacts.INFO.export(Model(coded(name)), "robot", EXPORTABLE, spec=spec)
-
-
-def off_at(one, params):
-    """Return how far (m, n) the contacts of the C are from the robot's."""
-    many = one.tables.many
-    order = rounds(one.model) if many is None else many.order
-    real = one.model.postures(params.astype(np.float64)).centres[:, order]
-    return np.linalg.norm(host_of(one).positions(params) - real, axis=2)
 
 
 @pytest.mark.parametrize("name", COARSEST)

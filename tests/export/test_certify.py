@@ -100,9 +100,8 @@ def test_an_answer_that_does_not_look_is_refused(answer):
     # The witness is a point of its own right: the exact model says the same of it.
     again = TRIPOD.exact(params[None], gravity[None, None]).tip_angle[0, 0]
     assert again == true
-    with pytest.raises(ExportError, match="called safe where it tips") as caught:
+    with pytest.raises(ExportError, match="called safe where it tips"):
         found.refuse_false_safe("robot")
-    assert "\n" not in str(caught.value)
 
 
 def test_no_answer_and_no_number_are_infinite_errors():

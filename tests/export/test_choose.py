@@ -110,7 +110,6 @@ def test_both_limits_hold_or_the_error_names_the_nearest():
     with pytest.raises(ExportError) as caught:
         best(Formula(), 1050, 2.0)
     text = str(caught.value)
-    assert "\n" not in text
     assert "1,050 bytes of flash and an error of 2 %" in text
     # The smallest error within the flash, and the smallest size for the error.
     assert "in 1," in text

@@ -13,7 +13,7 @@ from firmware_export.model import Model
 from firmware_export.protocol import describe
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import gallery_names, parse_recipe, robot_size_of
-from tests.fixtures.exports import host_of
+from tests.fixtures.exports import host_of, off_at
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, link, parameter, rigid, rover, sweep_part, tripod
 
@@ -29,19 +29,9 @@ def test_positions_in_c_are_the_robots_in_every_posture(name):
     texts = {"tripod": tripod, "rover": rover}
     recipe = parse_recipe(texts[name]()) if name in texts else lutgen.load_recipe(f"recipe:{name}")
     export = export_of(recipe)
-    model, many = export.model, export.tables.many
-    params = model.at(np.random.default_rng(1).random((300, model.k))).astype(np.float32)
-    real = model.postures(params.astype(np.float64)).centres
-    found = host_of(export).positions(params)
-    if many is not None:
-        # An axle that swings is two contacts more, which no recipe has.
-        order = [at for at in many.order if at < real.shape[1]]
-        real, found = real[:, order], found[:, : len(order)]
-    # Three points are stored in the order that goes round: the nearest is meant.
-    off = np.linalg.norm(found[:, :, None] - real[:, None], axis=3)
-    off = off.min(axis=2) if many is None else np.diagonal(off, axis1=1, axis2=2)
+    params = export.model.at(np.random.default_rng(1).random((300, export.model.k)))
     # Single precision.
-    assert off.max() < 1e-6 * robot_size_of(recipe)
+    assert off_at(export, params.astype(np.float32)).max() < 1e-6 * robot_size_of(recipe)
 
 
 def test_the_papers_robot_takes_51_bytes_and_its_guard_is_a_bound():

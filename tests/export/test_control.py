@@ -13,11 +13,11 @@ from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
-from proofs.control import G0, bits, budgets, damaged, fixed_slopes, transits
-from proofs.steered import BLIND, Steered, robot
+from proofs import control
+from proofs.steered import BLIND, robot
 from tests.fixtures.length import part
 
-LEVEL = np.array([[0.0, 0.0, G0]])
+LEVEL = np.array([[0.0, 0.0, control.G0]])
 MOVES, RESTS = 0, 1
 
 
@@ -44,7 +44,7 @@ def swift():
 
 def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised():
     count = part(3000, 12)
-    found = transits(paper(), count, inside=12)
+    found = control.transits(paper(), count, inside=12)
     assert found.promised > count // 2
     assert (found.faults, found.below) == (0, 0)
 
@@ -55,34 +55,34 @@ def test_ways_on_an_axle_that_swings_are_certified():
         patch.setattr(maker, "UNSEEN", 20)
         tractor = robot("tractor", nodes=3)
     count = part(20_000, 12)
-    found = transits(tractor, count, inside=12)
+    found = control.transits(tractor, count, inside=12)
     assert found.promised > 0.4 * count
     assert (found.faults, found.below) == (0, 0)
-    found = budgets(tractor, 1000)
+    found = control.budgets(tractor, 1000)
     assert found.faults == 0
     assert found.share > 0.95
 
 
 def test_a_damaged_table_costs_margin_but_no_safety():
-    found = damaged(paper(), 40)
+    found = control.damaged(paper(), 40)
     assert found.promised > 1000
     assert found.faults == 0
 
 
 def test_on_a_fixed_slope_the_robot_comes_to_rest():
-    found = fixed_slopes(paper(), 200, cycles=300, tail=50)
+    found = control.fixed_slopes(paper(), 200, cycles=300, tail=50)
     assert found.promised > 150
     assert found.faults == 0
 
 
 def test_budgets_are_never_too_large_and_nearly_as_large_as_they_may_be():
-    found = budgets(paper(), 2000)
+    found = control.budgets(paper(), 2000)
     assert found.faults == 0
     assert found.share > 0.95  # the median, in four reads
 
 
 def test_commands_keep_axes_and_rates_whatever_bits_come_in():
-    found = bits(paper(), 5000)
+    found = control.bits(paper(), 5000)
     assert found.promised > 5000
     assert found.faults == 0
 
@@ -121,7 +121,7 @@ def test_the_alarm_rises_at_once_and_falls_late():
     flat = [controller.step(posture, LEVEL)[1] for _ in range(2)][-1]
     assert flat["alarm"][0] == 0
     lean = flat["tip"][0] - np.radians(4.0)
-    steep = [[G0 * np.sin(lean), 0.0, G0 * np.cos(lean)]]
+    steep = [[control.G0 * np.sin(lean), 0.0, control.G0 * np.cos(lean)]]
     # Further than a cycle explains: not believed once, then seen.
     levels = [controller.step(posture, steep)[1]["alarm"][0] for _ in range(3)]
     assert max(levels) >= 2
@@ -153,8 +153,8 @@ def test_prediction_sees_gravity_where_the_gyroscope_says_it_will_be():
 def _after_a_step(one, before, after, rate):
     """Return the command (1, k) on level ground at the second of two postures (1, k)."""
     controller, level = one.controller(), np.array([[0.0, 0.0, -1.0]])
-    controller.step(before, -G0 * one.down(before, level))
-    command, cycle, _ = controller.step(after, -G0 * one.down(after, level), rate)
+    controller.step(before, -control.G0 * one.down(before, level))
+    command, cycle, _ = controller.step(after, -control.G0 * one.down(after, level), rate)
     assert cycle["move"][0] in (MOVES, RESTS)
     return command
 
@@ -218,6 +218,6 @@ def test_a_contact_that_hangs_low_over_a_rest_may_carry_elsewhere_in_the_box():
 
 
 def test_of_many_contacts_a_budget_is_what_the_boundary_leaves():
-    found = budgets(crawler(), 300)
+    found = control.budgets(crawler(), 300)
     assert found.faults == 0
     assert found.share > 0.99

@@ -9,28 +9,14 @@ import pytest
 import lutgen
 from lutgen.errors import optional
 
-NAMES = [
-    "ExportError",
-    "InputError",
-    "LutgenError",
-    "MapFileError",
-    "RecipeError",
-    "SweepError",
-    "__version__",
-    "evaluate",
-    "load_map",
-    "load_recipe",
-    "optimum",
-    "parse_recipe",
-    "postures",
-    "stability",
-    "sweep",
-]
+NAMES = (
+    "ExportError InputError LutgenError MapFileError RecipeError SweepError __version__ "
+    "evaluate load_map load_recipe optimum parse_recipe postures stability sweep"
+)
 
 
 def test_the_public_names_are_these_and_no_others():
-    assert dir(lutgen) == NAMES
-    assert sorted(lutgen.__all__) == NAMES
+    assert " ".join(dir(lutgen)) == " ".join(sorted(lutgen.__all__)) == NAMES
     with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
         _ = lutgen.no_such_name
 
@@ -39,7 +25,7 @@ def test_public_functions_stay_callable_after_every_submodule_is_imported():
     # A submodule of the same name would take a function's place in the package.
     for module in pkgutil.walk_packages(lutgen.__path__, "lutgen."):
         importlib.import_module(module.name)
-    for name in NAMES:
+    for name in lutgen.__all__:
         assert callable(getattr(lutgen, name)) or name == "__version__", name
 
 

@@ -100,7 +100,6 @@ def test_a_call_that_fails_anywhere_is_a_sentence_and_loses_no_block(path, whole
 
         with pytest.raises(SweepError, match=r"cannot be written \(got No space") as caught:
             struck(path, fail)
-        assert "\n" not in str(caught.value)
         assert ("--resume" in str(caught.value)) == path.with_name("a.h5.part").exists()
         # Only the last sync, of the folder, comes after the name.
         assert path.exists() == (at == len(log))

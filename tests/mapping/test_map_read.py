@@ -39,19 +39,6 @@ def queries(count, tilt=1.0):
     return params, np.column_stack([slope, np.full(count, -1.0)])
 
 
-@pytest.mark.parametrize("name", ["cone.h5", "sphere.h5", "alone.h5"])
-def test_reading_at_the_nodes_gives_the_stored_values(swept, name):
-    stability_map = lutgen.load_map(swept / name)
-    recipe, grid = stability_map.recipe, stability_map.recipe.grid
-    directions = recipe.chart.directions().reshape(-1, 3)
-    params = np.repeat(grid.params(np.arange(grid.size)), len(directions), axis=0)
-    got = stability_map.read(params, np.tile(directions, (grid.size, 1)))
-    # A direction comes back from its unit vector within 2e-16, so do the weights.
-    for channel in recipe.channels:
-        want = stability_map[channel].ravel()
-        np.testing.assert_allclose(got[channel], want, rtol=1e-12, atol=1e-12, err_msg=channel)
-
-
 def test_reading_between_the_nodes_of_a_fine_map_is_near_the_exact_value(tmp_path):
     recipe = lutgen.parse_recipe(tripod("reach = 13, swing = 25", nodes=33, max_tilt=60.0))
     params, gravity = queries(200)

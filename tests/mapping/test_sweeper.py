@@ -3,7 +3,6 @@
 import sys
 import threading
 import time
-from collections import Counter
 from itertools import pairwise
 
 import numba
@@ -16,6 +15,7 @@ from lutgen.mapping import expected_seconds, sweeper, verify
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.head import BLOCK_NODES, plan
 from lutgen.quantities import CHANNELS
+from tests.fixtures.commands import broken_off
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, parameter, rigid, rover, sweep_part, tripod
 
@@ -32,34 +32,6 @@ TRIPOD, BLOCK = lutgen.parse_recipe(tripod()), 98
 
 def values(stability_map):
     return {name: stability_map[name].tobytes() for name in stability_map.channels}
-
-
-class Stop:
-    """A progress callback that presses Ctrl-C after some blocks."""
-
-    def __init__(self, after):
-        self.left = after
-
-    def __call__(self, done, total):
-        self.left -= 1
-        if self.left == 0:
-            raise KeyboardInterrupt
-
-
-@pytest.fixture
-def computed(monkeypatch):
-    """Return the list of (block, thread) that are computed from now on."""
-    log = []
-    compute = Computer.compute
-
-    def noted(self, block):
-        log.append((block.number, threading.get_ident()))
-        # Long enough for the other thread to be given a block.
-        time.sleep(0.002)
-        return compute(self, block)
-
-    monkeypatch.setattr(Computer, "compute", noted)
-    return log
 
 
 @pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
@@ -81,18 +53,24 @@ def test_a_block_fills_at_least_half_of_what_it_may_hold(name):
 
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two cores")
-def test_two_threads_write_the_bytes_of_one_and_compute_each_block_once(tmp_path, cut, computed):
+def test_two_threads_compute_each_block_once(tmp_path, cut, monkeypatch):
     cut(BLOCK)
+    threads, compute = {}, Computer.compute
+
+    def noted(self, block):
+        assert block.number not in threads
+        threads[block.number] = threading.get_ident()
+        # Long enough for the other thread to be given a block.
+        time.sleep(0.002)
+        return compute(self, block)
+
+    monkeypatch.setattr(Computer, "compute", noted)
     recipe = lutgen.parse_recipe(tripod("reach = 8, swing = 6"))
-    lutgen.sweep(recipe, tmp_path / "one.h5", threads=1)
-    computed.clear()
     lutgen.sweep(recipe, tmp_path / "two.h5", threads=2)
-    assert (tmp_path / "two.h5").read_bytes() == (tmp_path / "one.h5").read_bytes()
-    blocks = Counter(number for number, _ in computed)
-    assert blocks == dict.fromkeys(range(sweeper.plan(recipe).count), 1)
+    assert len(threads) == sweeper.plan(recipe).count
     # The first is computed by who called, where Ctrl-C is heard.
-    assert computed[0] == (0, threading.get_ident())
-    assert len({thread for _, thread in computed[1:]}) == 2
+    assert threads.pop(0) == threading.get_ident()
+    assert len(set(threads.values())) == 2
 
 
 def test_progress_rises_to_the_number_of_nodes_while_the_file_has_its_temporary_name(tmp_path, cut):
@@ -112,24 +90,6 @@ def test_progress_rises_to_the_number_of_nodes_while_the_file_has_its_temporary_
     assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
 
 
-def test_an_interrupted_sweep_leaves_an_older_map_and_is_begun_anew_by_force_alone(
-    tmp_path, cut, computed
-):
-    cut(BLOCK)
-    path = tmp_path / "a.h5"
-    lutgen.sweep(TRIPOD, path, threads=1)
-    before = path.read_bytes()
-    with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, threads=1, progress=Stop(3))
-    assert path.read_bytes() == before
-    computed.clear()
-    with pytest.raises(InputError, match=r"unfinished work.*--resume, or begin anew with --force"):
-        lutgen.sweep(TRIPOD, path)
-    assert computed == []
-    lutgen.sweep(TRIPOD, path, force=True)
-    assert len(computed) == 6
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -145,8 +105,7 @@ def test_an_unfinished_file_of_something_else_is_refused_and_kept(
 ):
     cut(BLOCK)
     path, part, recipe = tmp_path / "a.h5", tmp_path / "a.h5.part", TRIPOD
-    with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, threads=1, progress=Stop(2))
+    broken_off(TRIPOD, path, 2, threads=1)
     if change == "recipe":
         recipe = lutgen.parse_recipe(tripod(nodes=9))
     elif change == "blocks":
@@ -160,9 +119,8 @@ def test_an_unfinished_file_of_something_else_is_refused_and_kept(
         content[40] ^= 1
         part.write_bytes(content)
     before = part.read_bytes()
-    with pytest.raises(MapFileError, match=said) as caught:
+    with pytest.raises(MapFileError, match=said):
         lutgen.sweep(recipe, path, resume=True)
-    assert "\n" not in str(caught.value)
     assert part.read_bytes() == before
 
 
@@ -173,9 +131,8 @@ def test_places_options_and_robots_that_cannot_be_swept_are_refused_and_leave_no
     (tmp_path / "file").write_text("no folder")
     (tmp_path / "folder").mkdir()
     for path in ("none/a.h5", "file/a.h5", "folder", "", ".", "/"):
-        with pytest.raises(InputError, match="cannot be written") as caught:
+        with pytest.raises(InputError, match="cannot be written"):
             lutgen.sweep(TRIPOD, path)
-        assert "\n" not in str(caught.value)
     for options, said in (
         ({"engine": "cloud"}, "unknown engine 'cloud'"),
         ({"scheduler": "tcp://x:1"}, "scheduler needs the engine dask"),

@@ -1,4 +1,4 @@
-"""What judges the verdict must itself be right: on geometry that is known, and on wrong answers."""
+"""What judges verdicts and imports must itself be right: on what is known, and on wrong answers."""
 
 import math
 from dataclasses import replace
@@ -7,20 +7,16 @@ import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
+pytest.importorskip("pinocchio", reason="the extra `physics` is not installed")
 
+from proofs import robots
 from proofs.physics import agreement, braking, ground, holding, judge, rocking
 from proofs.physics.body import Posture, body
-from proofs.physics.start import DOWN, start
+from proofs.physics.start import start
+from tests.fixtures.meshes import cylinder, write, written
+from tests.fixtures.robots import joint, link, robot
 
 TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
-
-
-def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_late():
-    posture = body(TABLE)
-    for heading, reach in ((0.0, 0.1), (0.5 * math.pi, 0.2)):
-        limit = math.atan2(reach, 0.3)
-        slope = ground.slope_at_fall(posture, start(posture, DOWN), heading, ground.UNTIL * limit)
-        assert ground.LATE - ground.CLEAR < slope - limit < math.radians(0.35)
 
 
 @pytest.mark.parametrize(
@@ -77,3 +73,42 @@ def test_a_budget_of_a_tenth_more_is_too_much(monkeypatch):
     said = braking.budgets
     monkeypatch.setattr(braking, "budgets", lambda *given: 1.1 * said(*given))
     assert judge.missed("braking", {"excavator": judge.judged("braking", "excavator", 0)})
+
+
+@pytest.fixture
+def car(tmp_path):
+    """Return a car of 10 kg on four wheels that are meshes, and a mast that leans by a joint."""
+    write(tmp_path / "wheel.stl", cylinder(0.1, 0.05, 48))
+    inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    parts = [link("base", 10.0, "0 0 0.1")]
+    for name, x, y in (("a", 0.3, 0.2), ("b", 0.3, -0.2), ("c", -0.3, 0.2), ("d", -0.3, -0.2)):
+        parts += [
+            link(name, 1.0, inside=written("wheel.stl")),
+            joint(f"{name}_axle", "continuous", "base", name, '<axis xyz="0 1 0"/>', f"{x} {y} 0"),
+        ]
+    lean = '<axis xyz="0 1 0"/><limit lower="0.2" upper="1" effort="1" velocity="1"/>'
+    parts += [link("mast", 2.0, "0 0 0.5"), joint("lean", "revolute", "base", "mast", lean)]
+    path = tmp_path / "car.urdf"
+    path.write_text(robot(*parts).replace("</inertial>", inertia), encoding="utf-8")
+    return path
+
+
+def test_mass_and_com_are_pinocchios_and_a_wrong_posture_is_named(car):
+    described, posture, source, made = robots.imported(car)
+    recipe = made.recipe
+    assert source == "zero, no SRDF names one to stand in"
+    assert robots.parameters(made) == "lean"
+    assert made.guessed[0].startswith("a, b, c, d: a wheel of radius 100.00 mm")
+    assert robots.weighed(car, described, posture, recipe) == []
+    faults = robots.weighed(car, described, {"lean": 0.5}, recipe)
+    # The mast's com goes from 0.5 sin(0.2) to 0.5 sin(0.5) m: by 0.02 m for 2 of 16 kg.
+    assert faults == [f"com of the recipe differs by {(math.sin(0.5) - math.sin(0.2)) / 16:.2g}"]
+
+
+def test_the_engine_agrees_with_the_limits_and_not_with_wrong_ones(car, monkeypatch):
+    monkeypatch.setattr(robots, "HEADINGS", 4)
+    recipe = robots.imported(car)[3].recipe
+    assert robots.engine(recipe) == [robots.CLOSE] * 4
+    before = robots.tilt_limits
+    monkeypatch.setattr(robots, "tilt_limits", lambda *given: before(*given) + math.radians(0.5))
+    assert robots.engine(recipe) == [math.inf] * 4

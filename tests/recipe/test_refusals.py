@@ -181,11 +181,6 @@ def test_what_is_no_toml_is_refused_with_its_line(text, said):
     assert refusal(text).startswith(f"bad.toml: {said}")
 
 
-def test_numbers_are_those_of_toml():
-    text = EVERYTHING.replace("max = 50.0", "max = 5_0").replace("mass = 5.0", "mass = 0x5")
-    assert lutgen.parse_recipe(text).parameters == lutgen.parse_recipe(EVERYTHING).parameters
-
-
 def test_a_search_for_an_energy_margin_under_a_load_is_refused():
     with pytest.raises(lutgen.InputError, match="energy_margin is not defined"):
         Objective(robot(feet(BOX), rho=0.1), LEVEL, "energy_margin")

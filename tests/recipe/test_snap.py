@@ -9,10 +9,7 @@ import pytest
 import lutgen
 from tests.fixtures.commands import data
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import contact, sweep_part
-
-TAIL = sweep_part(nodes=9, max_tilt=60.0, channels=("tip_angle",))
-HEAD = '[robot]\nname = "car"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\n'
+from tests.fixtures.recipes import contact, rigid
 
 
 def two_rim_car(noise, rng):
@@ -27,7 +24,7 @@ def two_rim_car(noise, rng):
                 name = f"rim{rim}_{len(discs)}"
                 discs.append(contact(name, place, float(0.15 + off[4]), axis))
     rng.shuffle(discs)
-    return HEAD + "".join(discs) + TAIL
+    return rigid("".join(discs))
 
 
 def articulated(noise):
@@ -117,9 +114,9 @@ def test_a_disc_that_all_but_lies_on_the_cone_between_two_others_touches_nothing
     places = ((0.4, 0.15), (0.2, 0.17001), (0.0, 0.19))
     discs = [contact(f"d{i}", [0.0, y, -0.3], r, axle) for i, (y, r) in enumerate(places)]
     discs += [contact("far", [1.0, 0.0, -0.3], 0.15, axle)]
-    recipe = lutgen.parse_recipe(HEAD + "".join(discs) + TAIL)
+    recipe = lutgen.parse_recipe(rigid("".join(discs)))
     assert recipe.contacts[1].radius < 0.17
     assert recipe.contacts[0].radius == 0.15
-    further = lutgen.parse_recipe(HEAD + "".join(discs).replace("0.17001", "0.171") + TAIL)
+    further = lutgen.parse_recipe(rigid("".join(discs).replace("0.17001", "0.171")))
     assert further.snapped == ()
     assert further.contacts[1].radius == 0.171

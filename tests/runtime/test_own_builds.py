@@ -1,7 +1,5 @@
 """What exports compile to by themselves, of every codec: the bits that the certificate saw."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from firmware_export.protocol import describe
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import parse_recipe
 from proofs.subjects import SUBJECTS
-from targets.cases import of_recipe, of_robot
+from targets.cases import of_robot
 from tests.fixtures.compiled import FLAGS, STRICT, HostLibrary, compile_c
 from tests.fixtures.fits import few_points
 from tests.fixtures.length import LONG, part
@@ -32,11 +30,8 @@ if LONG:
     BUILDS += (("-Os",), ("-O3",), ("-DSMAP_SOFT_ROOT",))
 # How a Cortex-M finds a whole root.
 DIVIDES = ("-D__ARM_FEATURE_IDIV=1", "-D__ARM_FEATURE_CLZ=1")
-# Robots whose axles swing, and that stand on balls.
-MADE = SUBJECTS | {
-    "tractor": partial(of_recipe, "tractor", "contacts"),
-    "quadruped": lambda: of_robot(quadruped(), "quadruped", "contacts"),
-}
+# A robot that stands on balls.
+MADE = SUBJECTS | {"quadruped": lambda: of_robot(quadruped(), "quadruped", "contacts")}
 # Many contacts take up to 20 us a query.
 CASES = {
     "paper_two": part(300_000),

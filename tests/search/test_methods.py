@@ -7,21 +7,20 @@ import pytest
 
 import lutgen
 from lutgen.search.methods import STEPS, acceptable_range, half_widths, multistart, nelder_mead
-from tests.fixtures.recipes import feet, rigid
+from tests.fixtures.recipes import contact, feet, link, parameter, rigid
 
 WIDE = np.array([[-3.0, 5.0], [0.0, 2.0]])
 
 
-class Counted:
-    """A cost function that keeps the rows that it was asked for."""
+def counted(function):
+    """Return a cost function, and the list of the rows that it is asked for."""
+    rows = []
 
-    def __init__(self, function):
-        self.function = function
-        self.rows = []
+    def cost(points):
+        rows.extend(points.copy())
+        return function(points)
 
-    def __call__(self, points):
-        self.rows.extend(points.copy())
-        return self.function(points)
+    return cost, rows
 
 
 def bowl(points):
@@ -37,16 +36,16 @@ def waves(points):
 
 @pytest.mark.parametrize("start", [(-3.0, 0.0), (1.0, 1.0), (4.9, 0.01)])
 def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start):
-    cost = Counted(bowl)
+    cost, rows = counted(bowl)
     steps = nelder_mead(cost, WIDE, np.array(start))
     # The last simplex is 2e-6 of the bounds, which are 8 and 2 wide.
     assert steps[-1].params == pytest.approx([1.0, 1.0], abs=2e-5)
-    assert steps[-1].evaluations == len(cost.rows)
+    assert steps[-1].evaluations == len(rows)
     costs = [step.value for step in steps]
     assert costs == sorted(costs, reverse=True)
     assert bowl(steps[-1].params[None, :])[0] == pytest.approx(steps[-1].value, abs=1e-15)
-    assert (np.array(cost.rows) >= WIDE[:, 0]).all()
-    assert (np.array(cost.rows) <= WIDE[:, 1]).all()
+    assert (np.array(rows) >= WIDE[:, 0]).all()
+    assert (np.array(rows) <= WIDE[:, 1]).all()
     edge = nelder_mead(lambda x: x[:, 0] - x[:, 1], WIDE, np.array([2.0, 1.0]))[-1]
     assert edge.params == pytest.approx([-3.0, 2.0], abs=2e-5)
     # It goes the same way in any unit and with any zero.
@@ -66,14 +65,14 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k):
     lost = 0
     for seed in range(10):
         start = random.uniform(-4.0, 5.0, k)
-        cost = Counted(waves)
+        cost, rows = counted(waves)
         steps = multistart(cost, box, start, seed)
         assert steps[-1].params == pytest.approx([0.7] * k, abs=1e-4)
-        assert steps[-1].evaluations == len(cost.rows)
+        assert steps[-1].evaluations == len(rows)
         costs = [step.value for step in steps]
         assert costs == sorted(costs, reverse=True)
         # The caller's own start is one of the points, but for rounding.
-        assert np.abs(np.array(cost.rows) - start).max(axis=1).min() < 1e-12
+        assert np.abs(np.array(rows) - start).max(axis=1).min() < 1e-12
         lost += bool(nelder_mead(waves, box, start)[-1].value > 0.1)
     # A guard that any method passes proves nothing.
     assert lost >= 3
@@ -128,15 +127,13 @@ def test_the_first_violation_ends_the_range_though_the_cost_falls_again():
 
 def test_all_that_stands_is_acceptable_without_a_limit():
     # A table whose front feet slide out: it stands while the com is behind them.
-    text = rigid(feet([(-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)])).replace(
-        "[sweep]",
-        '[[robot.parameter]]\nname = "reach"\nmin = -0.5\nmax = 3.0\nunit = "m"\n'
-        '[[robot.link]]\nname = "slide"\nparent = "body"\n'
-        'joint = { type = "prismatic", axis = [1, 0, 0], parameter = "reach" }\n'
-        '[[robot.contact]]\nname = "front"\nlink = "slide"\nposition = [0, 0, -1.0]\n[sweep]',
-        1,
+    text = parameter("reach", -0.5, 3.0, "m") + link(
+        "slide", "body", ("prismatic", (1, 0, 0), "reach")
     )
-    text = text.replace("[sweep]\n", "[sweep]\nsamples = { reach = 8 }\n", 1)
+    text += feet([(-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)]) + contact(
+        "front", (0, 0, -1), link="slide"
+    )
+    text = rigid(text, samples="reach = 8")
     found = lutgen.optimum(lutgen.parse_recipe(text), [0, 0, -1], "map")
     # |SD_g| = |reach - 2| / 3 is least at the node 2; it stands for reach >= 0.
     assert found.params == pytest.approx([2.0], abs=1e-12)

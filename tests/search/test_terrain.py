@@ -1,6 +1,7 @@
 """Paths: attitudes known by hand, the paper's slopes, and files that are refused with a line."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -29,18 +30,12 @@ def test_the_papers_path_has_its_equations_and_no_gap_at_zero():
     np.testing.assert_allclose(others[:, 1], 0.8 * np.sin(s) / s)
     np.testing.assert_allclose(others[:, 2], 15.0 * np.sin(s) ** 2 / s)
     np.testing.assert_allclose(path.position[2], [0.0, 0.8, 0.0], atol=1e-15)
-    # dz/dx = 15 at 0.
+    # dz/dx by the power rule; 15 at 0.
+    climb = 15.0 * (np.sin(2.0 * s) / s - (np.sin(s) / s) ** 2)
+    gravity = path.gravity[[0, 1, 3, 4]]
+    np.testing.assert_allclose(gravity[:, 0] / gravity[:, 2], climb)
+    assert (path.gravity[:, 1] == 0.0).all()
     np.testing.assert_allclose(path.gravity[2, 0] / path.gravity[2, 2], 15.0)
-
-
-def test_the_papers_slopes_are_those_of_its_own_points():
-    # A spacing of 1.2e-4: central differences err by less than 1e-6.
-    path = paper_path(100_001, (-2.0, 10.0))
-    climb = np.gradient(path.position[:, 2], path.position[:, 0])
-    expected = np.column_stack([-climb, np.zeros_like(climb), -np.ones_like(climb)])
-    expected /= np.linalg.norm(expected, axis=1)[:, None]
-    np.testing.assert_allclose(path.gravity[1:-1], expected[1:-1], atol=1e-6)
-    assert (path.heading == 0.0).all()
 
 
 @pytest.mark.parametrize("heading", BY_HEADING)
@@ -120,9 +115,8 @@ def test_what_is_no_path_is_refused():
         ({"position": TWO, "normal": [[0, 0, 1], [0, 0, -1]]}, "normal at point 1 points down"),
         ({"position": TWO, "normal": [[0, 0, 1], [0, 0, 0]]}, "longer than 0"),
     ):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(InputError, match=said):
             along(**arguments)
-        assert said in str(caught.value)
 
 
 def written(folder, text):
@@ -154,11 +148,8 @@ def test_a_faulty_file_is_refused_with_its_place(tmp_path):
         ("x,y,z\n0,0,0\n\n1,0,0\n1,0,0\n", "line 5 repeats the point before it"),
         ("x,y,z\n0,0,0\n1,0,\x00\n", "line 3"),
     ):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(InputError, match=rf"{tmp_path}/path.csv.*{re.escape(said)}"):
             written(tmp_path, text)
-        assert said in str(caught.value)
-        assert str(tmp_path / "path.csv") in str(caught.value)
-        assert "\n" not in str(caught.value)
     (tmp_path / "utf16.csv").write_bytes("x,y,z\n".encode("utf-16"))
     with pytest.raises(InputError, match="line 1 is not UTF-8"):
         read_path(tmp_path / "utf16.csv")

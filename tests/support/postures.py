@@ -7,7 +7,7 @@ import numpy as np
 from lutgen.channels.measuring import measure_postures
 from lutgen.support import acceptance, empty_region, stand
 from tests.oracles.primitives import size_of, unit
-from tests.oracles.standing import Limits, facets_of
+from tests.oracles.standing import TIPS, Limits, facets_of
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 FAMILIES = ("points", "mixed", "cars", "leaning")
@@ -80,6 +80,15 @@ def exact(family, rng):
     wheels = rng.random() < 0.3
     rows = rows_of(centre, np.tile([0.0, 1.0, 0.0], (len(flat), 1)), 0.1 * wheels, DISC * wheels)
     return np.asarray(rows[rng.permutation(len(rows))])
+
+
+def assert_one_verdict(found):
+    """Demand that all channels, of those that are there, tell the verdict of the tip angle."""
+    tips = found["tip_angle"] < 0.0
+    for name in found.keys() - {"tip_angle", "energy_margin", "least_share"}:
+        told = {"facet": found[name] == -1.0, "status": found[name] == TIPS}
+        told |= {"margin": found[name] < 0.0}
+        np.testing.assert_array_equal(told.get(name, np.isnan(found[name])), tips, name)
 
 
 def assert_every_facet_once(rows, upright):

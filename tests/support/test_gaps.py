@@ -10,16 +10,7 @@ from lutgen.channels import evaluate_each
 from lutgen.recipe import parse_recipe
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.recipes import contact, rigid
-from tests.support.postures import (
-    DISC,
-    FAMILIES,
-    assert_every_facet_once,
-    below,
-    drawn,
-    limits_of,
-    read,
-    rows_of,
-)
+from tests.support import postures
 
 STANDS, TIPS = 0, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
@@ -71,15 +62,19 @@ def test_a_wider_least_rest_or_a_smaller_rock_angle_never_enlarges_the_region():
     rng = np.random.default_rng(2)
     smaller = 0
     for seed in range(40):
-        rows, g = drawn(FAMILIES[seed % 4], np.random.default_rng(seed)), below(rng, 300)
-        limits = limits_of(rows)
+        rows, g = (
+            postures.drawn(postures.FAMILIES[seed % 4], np.random.default_rng(seed)),
+            postures.below(rng, 300),
+        )
+        limits = postures.limits_of(rows)
         for change in (0.5, 0.0):
             for strict in (
                 limits._replace(rock_angle=change * math.radians(30.0)),
                 limits._replace(rest_width=limits.rest_width * (20.0 - 10.0 * change)),
             ):
                 loose, tight = (
-                    read(rows, g, ("tip_angle",), of)["tip_angle"] for of in (limits, strict)
+                    postures.read(rows, g, ("tip_angle",), of)["tip_angle"]
+                    for of in (limits, strict)
                 )
                 assert not ((tight >= 0.0) & (loose < -1e-9)).any()
                 smaller += int(((tight < 0.0) & (loose >= 0.0)).sum())
@@ -98,14 +93,14 @@ def test_every_facet_of_four_wheels_that_lean_and_all_but_touch_is_found_once():
     # Defect 2: a step along an arc landed on another branch, and a false facet came in for ever.
     numbers = np.array(LEANING.split(), float).reshape(4, 5)
     axis = np.stack([0.0 * numbers[:, 4], np.full(4, 0.6448265472399961), numbers[:, 4]], -1)
-    rows = rows_of(numbers[:, :3], axis, numbers[:, 3], DISC)
-    assert_every_facet_once(rows, 89.9)
+    rows = postures.rows_of(numbers[:, :3], axis, numbers[:, 3], postures.DISC)
+    postures.assert_every_facet_once(rows, 89.9)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", postures.FAMILIES)
 def test_every_downward_facet_is_found_once_and_nothing_lies_below_one(family):
     for seed in range(100, 112):
-        assert_every_facet_once(drawn(family, np.random.default_rng(seed)), 80.0)
+        postures.assert_every_facet_once(postures.drawn(family, np.random.default_rng(seed)), 80.0)
 
 
 def sole(count, step):

@@ -196,12 +196,8 @@ def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name
 def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text, tmp_path):
     file = tmp_path / "a.srdf"
     file.write_text(text, encoding="latin-1")
-    with pytest.raises(RecipeError) as caught:
+    with pytest.raises(RecipeError, match=rf"\A{file}: .*\.\Z"):
         load_srdf(file, parse_urdf(quadruped()))
-    said = str(caught.value)
-    assert said.startswith(str(file))
-    assert said.endswith(".")
-    assert "\n" not in said
 
 
 def test_a_joint_that_follows_another_is_not_given_by_hand():
