@@ -1,7 +1,8 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `posture`, `forces`, `diagnosis`, `wheels`, `tilt`, `ground_seat`, `ground_tilt`,
-`resistance`, `friction`, `metrics`, `tilt_table`, `budget`, `balance`, `uneven`, `weighing`.
+In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
+`ground_seat`, `ground_tilt`, `resistance`, `friction`, `metrics`, `tilt_table`,
+`budget`, `balance`, `uneven`, `weighing`.
 """
 
 from lutgen.analysis.budget import StopSpeeds, budgets, stop_speeds, turn_speed

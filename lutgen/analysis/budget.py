@@ -27,8 +27,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Facet, Posture
-from lutgen.analysis.tilt import gravity_transform
 from lutgen.channels import evaluate, evaluate_each, segment_energy
 from lutgen.chart import STANDARD_GRAVITY, unit_directions
 from lutgen.recipe import Recipe

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.posture import Posture
 from lutgen.arrays import Floats, Ints
-from lutgen.channels import body_gravity, evaluate, evaluate_each, turned
-from lutgen.chart import unit_directions
+from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.recipe import Recipe
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
@@ -41,16 +41,6 @@ def tilted(tilt: ArrayLike, heading: ArrayLike) -> Floats:
     """Return gravity directions (..., 3), unit, at tilts and headings (rad) of one shape (...)."""
     t, psi = np.broadcast_arrays(np.asarray(tilt, np.float64), np.asarray(heading, np.float64))
     return np.stack([np.sin(t) * np.cos(psi), np.sin(t) * np.sin(psi), -np.cos(t)], axis=-1)
-
-
-def gravity_transform(normal: ArrayLike) -> Floats:
-    """Return T_g of convention P (3, 3): from the contact plane's frame to the body frame.
-
-    It takes (0, 0, 1) to the plane's upward normal (body frame, any length > 0) by the least angle.
-    """
-    up = tuple(unit_directions(normal).tolist())
-    columns = [turned(up, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    return np.array(columns).T + 0.0
 
 
 def level_frames(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:

@@ -15,7 +15,7 @@ import numpy as np
 
 from lutgen import analysis
 from lutgen.analysis.budget import leans, stop_speeds
-from lutgen.analysis.tilt import gravity_transform
+from lutgen.analysis.ground import gravity_transform
 from proofs.physics import robots
 from proofs.physics.agreement import CLEAR
 from proofs.physics.body import Floats, Posture

@@ -1,21 +1,17 @@
-"""Tilt limits by hand and by brute force, and the transform of gravity onto the ground."""
+"""Tilt limits by hand and by brute force, and what an accelerometer says of the ground."""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis import FOUR, Posture, diagnose, even_headings, posture_limits, sweep_limits
-from lutgen.analysis.tilt import (
-    gravity_transform,
-    level_angles,
-    level_frames,
-    tilt_limits,
-    tilted,
-    worst_heading,
-)
-from lutgen.channels import evaluate_each
+from lutgen.analysis.ground import gravity_transform, tangent_plane
+from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
+from lutgen.channels import body_gravity, evaluate_each
+from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
@@ -156,3 +152,48 @@ def test_the_transform_takes_the_z_axis_to_normals_that_point_straight_down_or_a
         # About the line in which the two planes meet.
         hinge = np.cross(UP, normal)
         assert turn @ hinge == pytest.approx(hinge, abs=ROUNDING)
+
+
+def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again():
+    recipe = lutgen.parse_recipe(tripod())
+    random = np.random.default_rng(8)
+    for _ in range(60):
+        params = random.uniform([0.0, -0.7], [0.6, 0.8])
+        slope, downhill = random.uniform(0.0, 0.3), random.uniform(-math.pi, math.pi)
+        (contacts,), _ = lutgen.postures(recipe, [params])
+        normal = np.cross(contacts[1] - contacts[0], contacts[2] - contacts[0])
+        normal /= np.linalg.norm(normal)
+        # The plane's frame: its z axis is the normal, and it is turned least from the body's: SciPy
+        # picks the rotation of least angle for one pair of vectors.
+        body_from_plane = Rotation.align_vectors([normal], [UP])[0].as_matrix()
+        gravity = tilted(slope, downhill)
+        up_dir = -9.81 * body_from_plane @ gravity
+        ground = tangent_plane(Posture(recipe, params), up_dir)
+        assert ground.slope == pytest.approx(slope, abs=1e-12)
+        # atan2 of a tilt of at least 1e-3 or so.
+        assert ground.downhill == pytest.approx(downhill, abs=1e-11)
+        assert ground.normal == pytest.approx(normal, abs=1e-13)
+        assert ground.gravity == pytest.approx(gravity, abs=1e-13)
+        assert ground.height == pytest.approx(-normal @ contacts[0], abs=1e-13)
+        # The body's z axis and x axis in a frame with z upward.
+        up = up_dir / np.linalg.norm(up_dir)
+        turned = Rotation.from_euler("xyz", [ground.roll, ground.pitch, 0.0]).inv()
+        assert turned.apply(UP) == pytest.approx(up, abs=1e-13)
+        # And T_g of convention P leads back to the body.
+        back = body_gravity(recipe, [params], ground.gravity, "plane")[0]
+        assert back == pytest.approx(-up, abs=1e-13)
+
+
+def test_the_accelerometer_of_a_level_robot_says_where_the_slope_falls():
+    # Gravity pulls towards what is low, the accelerometer reads the opposite.
+    table = Posture(box(), [])
+    for reading, heading in (((-0.3, 0.0, 1.0), 0.0), ((0.0, 0.3, 1.0), -90.0)):
+        ground, tilt = tangent_plane(table, reading), math.atan(0.3)
+        turned = [0.0, tilt] if heading == 0.0 else [tilt, 0.0]
+        assert [ground.roll, ground.pitch] == pytest.approx(turned, abs=1e-12)
+        assert math.degrees(ground.downhill) == pytest.approx(heading, abs=1e-12)
+        assert math.tan(ground.slope) == pytest.approx(0.3, abs=1e-12)
+        assert (ground.height, ground.standing) == (pytest.approx(HEIGHT, abs=1e-15), True)
+    # Nothing is known of the ground where gravity pierces no facet.
+    with pytest.raises(InputError, match=r"lies on no support facet \(got up_dir = \[0.0, 0.0, -1"):
+        tangent_plane(table, [0, 0, -1])

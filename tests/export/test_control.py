@@ -14,7 +14,7 @@ from firmware_export.protocol import Joint, Policy, describe
 from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
 from proofs import control
-from proofs.steered import BLIND, robot
+from proofs.steered import BLIND, Steered, robot
 from tests.fixtures.length import part
 
 LEVEL = np.array([[0.0, 0.0, control.G0]])
