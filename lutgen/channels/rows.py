@@ -295,9 +295,8 @@ def _signed_angles(
     for i in range(tip.shape[0]):
         # Verdict and sign are one, though both round by themselves near a wall.
         angle = tip[i]
-        inside = max(angle, zero)
         beyond = min(angle if convex else -angle, outside)
-        tip[i] = inside if stands[i] == stands[i] else beyond
+        tip[i] = max(angle, zero) if stands[i] == stands[i] else beyond
 
 
 @njit(bare=True)
