@@ -8,6 +8,7 @@ import pytest
 
 from firmware_export.contacts import INFO as contacts
 from firmware_export.control import maker
+from firmware_export.control.limits import limits_of
 from firmware_export.host import Controller
 from firmware_export.model import Model
 from firmware_export.protocol import Joint, Policy, describe
@@ -61,6 +62,20 @@ def test_ways_on_an_axle_that_swings_are_certified():
     found = control.budgets(tractor, 1000)
     assert found.faults == 0
     assert found.share > 0.95
+
+
+@pytest.mark.parametrize("name", ["marv", "absolem"])
+def test_contacts_in_a_box_of_postures_are_as_near_its_middle_as_a_policy_says(name):
+    model, rng = Model(load_recipe(f"recipe:{name}")), np.random.default_rng(5)
+    limits = limits_of(model)
+    half = rng.uniform(0.0, 0.15, (2000, model.k)) * (model.upper - model.lower)
+    middle = model.at(rng.random(half.shape))
+    inside = np.clip(middle + half * rng.uniform(-1.0, 1.0, half.shape), model.lower, model.upper)
+    there, here = (model.postures(params).centres for params in (inside, middle))
+    off = half @ limits.bend + (half * limits.reach).max(axis=1)
+    share = np.linalg.norm(there - here, axis=2).max(axis=1) / off
+    # A margin of a tenth is on both bounds.
+    assert 0.8 < share.max() < 1.0
 
 
 def test_a_damaged_table_costs_margin_but_no_safety():
