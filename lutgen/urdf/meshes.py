@@ -32,12 +32,14 @@ DIGITS = 6
 
 
 class Meshes:
-    """The meshes that a description names; each that can be read is read once."""
+    """The meshes that a description names; each file is read once."""
 
     def __init__(self, sources: Sources, known: Mapping[str, Floats] | None = None) -> None:
         self.sources = sources
         # Corners that are there without a file, by the name that shapes give.
-        self._hulls = {name: _hull(corners) for name, corners in (known or {}).items()}
+        self._hulls: dict[str, Floats | InputError] = {
+            name: _hull(corners) for name, corners in (known or {}).items()
+        }
 
     def corners(self, shape: Collision) -> Floats:
         """Return the corners (n, 3) of a mesh's convex hull in the frame of its link, m, sorted.
@@ -56,8 +58,11 @@ class Meshes:
             try:
                 self._hulls[shape.file] = _hull(_corners(path))
             except InputError as error:
-                raise InputError(f"{shape.file}: {error}") from None
-        placed = (self._hulls[shape.file] * scale) @ rotation(shape.rpy).T + shape.origin
+                self._hulls[shape.file] = InputError(f"{shape.file}: {error}")
+        found = self._hulls[shape.file]
+        if isinstance(found, InputError):
+            raise found
+        placed = (found * scale) @ rotation(shape.rpy).T + shape.origin
         # To a micrometre, so that they have the same order in every format's precision.
         return np.unique(np.round(placed, DIGITS) + 0.0, axis=0)
 
