@@ -14,7 +14,7 @@ from firmware_export.host import FULL_SCALE, STANDS
 from firmware_export.protocol import Export
 from tests.fixtures.queries import integer_queries, random_queries
 
-# Of the checked ones so many are beside the boundary, on either side.
+# How many queries are checked, and how many of them lie beside the boundary, on each side.
 CHECKED, BESIDE = 1000, 100
 COUNTED, OUTSIDE = 256, 32
 SEED = 2018

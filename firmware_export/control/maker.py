@@ -202,12 +202,7 @@ def _step(values: Floats) -> float:
 
 
 def _loss(
-    model: Model,
-    policy: Policy,
-    postures: Floats,
-    convention: str,
-    scale: Floats,
-    best_step: float,
+    model: Model, policy: Policy, postures: Floats, convention: str, scale: Floats, best_step: float
 ) -> Loss:
     """Return what a table loses against the best of some postures on slopes it has not seen."""
     uv = np.random.default_rng(SEED).uniform(-policy.limit, policy.limit, (UNSEEN, 2))

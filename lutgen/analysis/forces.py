@@ -78,7 +78,11 @@ def normal_forces(points: Floats, pierced: Floats) -> Floats:
     share is negative, or, of contacts in a line, the moments do not balance.  Parameters are those
     of `load_corners`.
     """
-    corners = load_corners(points, pierced)
+    return smallest_load(points, pierced, load_corners(points, pierced))
+
+
+def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
+    """Return the same as `normal_forces`, with the corners (c, k) of `load_corners` known."""
     balance = np.vstack([np.ones(len(points)), _flat(points, pierced).T])
     if not len(corners):
         # The smallest that balances, pulling allowed.
@@ -99,14 +103,16 @@ def loads_on(points: Floats, pierced: Floats, axle: Axle | None) -> tuple[Floats
     what it does so that it does not turn, see `channels.shares.axle_foot`.
     """
     if axle is None:
-        return load_corners(points, pierced), normal_forces(points, pierced)
+        corners = load_corners(points, pierced)
+        return corners, smallest_load(points, pierced, corners)
     i, j = axle.ends
     ends = read3(points[i]), read3(points[j])
     found = axle_foot(axle.line, axle.com, axle.mass, ends, read3(pierced))
     foot, shift, (one, two, own) = found
     others = [k for k in range(len(points)) if k not in axle.ends]
     fewer, there = np.vstack([points[others], foot]), pierced + np.array(shift)
-    loads = np.vstack([load_corners(fewer, there), normal_forces(fewer, there)])
+    corners = load_corners(fewer, there)
+    loads = np.vstack([corners, smallest_load(fewer, there, corners)])
     spread = np.zeros((len(loads), len(points)))
     spread[:, others] = loads[:, :-1]
     spread[:, i], spread[:, j] = loads[:, -1] * one + own, loads[:, -1] * two - own
